@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr, model_validator
 
 from bladewhirl.models.case.speed_course import SpeedCourse
-from bladewhirl.models.case.speed_keys import RunUp, SpeedRows, course_faults, course_of, speeds_of
+from bladewhirl.models.case.speed_keys import (
+    Drive,
+    RunUp,
+    SpeedRows,
+    course_faults,
+    course_of,
+    speeds_of,
+)
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
@@ -189,6 +196,11 @@ class March(ReplacedKeys):
     )
     """Speed over time in place of march.speed: from one speed to another as 3 s^2 - 2 s^3, where s
     rises from 0 to 1 between start and end; constant before and after."""
+    drive: Drive | None = Field(
+        default=None, examples=['{ inertia = "2 kg m2", torque = "0 N m", loss = "0 N m s" }']
+    )
+    """Drive of a rotor whose speed is free: it starts at march.speed, and the torque of the drive,
+    of losses, of friction at the tips and of static dampers changes it."""
     time_step: fields.Time = 1e-6
     """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
     order in contact: halve the step to see its effect."""
@@ -242,11 +254,14 @@ class March(ReplacedKeys):
 
     @property
     def varies(self) -> bool:
-        """True if the speed of rotation is given over time."""
-        return self.speed_table is not None or self.run_up is not None
+        """True if the speed of rotation is given over time, or free."""
+        return any(each is not None for each in (self.speed_table, self.run_up, self.drive))
 
     def course(self, reference: float) -> SpeedCourse | None:
-        """Return the speed over time for a reference frequency [rad/s]; None if it is constant."""
+        """Return the speed over time for a reference frequency [rad/s], that at the start if it is
+        free; None if it is constant."""
+        if self.drive is not None:
+            return SpeedCourse.through([0.0], [self.speed.rad_per_s(reference)], 0.0)
         if not self.varies:
             return None
         return course_of(self.speed_table, self.speed_blend, self.run_up, reference)
@@ -295,14 +310,20 @@ class March(ReplacedKeys):
 
     def _speed_faults(self) -> Iterator[Inconsistency]:
         """Yield errors of a speed that varies over time."""
-        if self.varies and "speed" in self.model_fields_set:
+        if self.drive is not None:
+            for key in ("speed_table", "run_up"):
+                if getattr(self, key) is not None:
+                    yield Inconsistency(key, "not allowed together with march.drive", ("drive",))
+            if self.speed.value == 0.0:
+                yield Inconsistency("speed", "a speed other than 0 with march.drive", ("drive",))
+        elif self.varies and "speed" in self.model_fields_set:
             key = "speed_table" if self.speed_table is not None else "run_up"
             expected = f"not allowed together with march.{key}; remove one of them"
             yield Inconsistency("speed", expected, (key,))
         yield from course_faults(self.speed_table, self.speed_blend, self.run_up, self.record_step)
         if self.varies and self.revolutions is not None:
             expected = "not allowed with a speed that varies; give march.duration"
-            yield Inconsistency("revolutions", expected, ("speed_table", "run_up"))
+            yield Inconsistency("revolutions", expected, ("speed_table", "run_up", "drive"))
         if self.varies and self.scheme != "central-difference":
             expected = '"central-difference" with a speed that varies'
-            yield Inconsistency("scheme", expected, ("speed_table", "run_up"))
+            yield Inconsistency("scheme", expected, ("speed_table", "run_up", "drive"))

@@ -85,6 +85,8 @@ class Case(Tables):
         if self.march.varies and self.rotation.effects == "centrifugal":
             expected = '"none" or "full" with a speed that varies'
             yield Inconsistency("rotation.effects", expected, ("march.speed_table", "march.run_up"))
+        if self.march.drive is not None:
+            yield from self._drive_faults()
         if self.casing.coating is not None:
             if self.march.scheme != "central-difference":
                 expected = '"central-difference" with casing.coating'
@@ -105,6 +107,29 @@ class Case(Tables):
             for name in self.bladed_disk.given():
                 expected = "not allowed together with [sketch]; remove this key"
                 yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
+
+    def _drive_faults(self) -> Iterator[Inconsistency]:
+        """Yield what a free speed does not allow: forces whose torque is not known."""
+        shaft, closure = self.shaft, self.casing.closure
+        for key, allowed, expected in (
+            ("contact.sliding", self.contact.sliding != "full", '"permanent" or "signed"'),
+            ("contact.foreshortening", not self.contact.foreshortening, "false"),
+            ("casing.coating", self.casing.coating is None, "no coating"),
+            ("casing.closure.lobes", closure is None or not closure.lobes, "no lobes"),
+            ("coupling.stiffness", self.coupling.stiffness == 0.0, "0"),
+            ("shaft.stiffness_y", shaft.clamped or not shaft.anisotropy, "equal springs"),
+            ("bladed_disk.superelement", self.bladed_disk.superelement is None, "beams"),
+        ):
+            if not allowed:
+                expected = f"{expected} with march.drive"
+                yield Inconsistency(key, expected, ("march.drive",))
+        for key, load in self.excitations.items():
+            if isinstance(load, Harmonic | EngineOrder):
+                expected = '"imbalance", "casing-distortion" or "none" with march.drive'
+                yield Inconsistency(f"{key}.type", expected, ("march.drive",))
+            elif isinstance(load, Imbalance) and load.ramp > 0.0:
+                expected = "0 with march.drive, whose momentum contains the imbalance"
+                yield Inconsistency(f"{key}.ramp", expected, ("march.drive",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:
         disk = self.bladed_disk

@@ -49,6 +49,18 @@ class RunUp(Table):
             yield Inconsistency("end", f"a time after start = {self.start:g} s", ("start",))
 
 
+class Drive(Table):
+    """A drive whose torque, with friction and losses, changes the speed from march.speed on."""
+
+    inertia: Annotated[float, fields.quantity("kg m2", "not negative")] = 0.0
+    """Moment of inertia about the axis of all that turns with the bladed disk, without the bladed
+    disk itself [kg m2]."""
+    torque: Annotated[float, fields.quantity("N m", "any")] = 0.0
+    """Torque of the drive in the sense of a positive speed [N m]; 0 for a rotor that coasts."""
+    loss: Annotated[float, fields.quantity("N m s", "not negative")] = 0.0
+    """Torque of losses divided by the speed in rad/s [N m s]."""
+
+
 def course_faults(
     table: SpeedRows | None, blend: float | None, run_up: RunUp | None, record_step: float
 ) -> Iterator[Inconsistency]:

@@ -49,6 +49,7 @@ _EXAMPLES = {
     "kg m": "0.59 kg m",
     "kg m2": "2 kg cm2",
     "N m": "1 kN m",
+    "N m s": "0.2 N m s",
     "rad": "30 deg",
     "Hz": "50 Hz",
 }

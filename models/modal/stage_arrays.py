@@ -134,6 +134,8 @@ class StageArrays:
     """Damping along the wall [N s/m], (supports,)."""
     modes_speed: float | None = None
     """Speed to which the modes belong [rad/s]; None at constant speed."""
+    rotor_inertia: float | None = None
+    """Moment of inertia of all that turns [kg m2]; None if the speed is prescribed."""
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

@@ -92,6 +92,7 @@ class RotationMatrices:
     euler: FloatArray
     """Inertia load of the undeformed bladed disk for Omega' = -1 rad/s2: G X, and the rotary
     inertia of point masses [kg m, kg m2], (size,)."""
+    inertia: float  #: moment of inertia of the undeformed bladed disk about the axis [kg m2]
     growth: FloatArray  #: static displacement K^-1 M_t X [m s2, s2], (size,)
 
     def stiffness(self, omega: float) -> sp.csr_array:
@@ -154,6 +155,7 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
         coriolis=sp.csr_array((turned - turned.T) / 2.0),
         load=load,
         euler=np.asarray(unknowns.T @ (turning @ places + rotary.ravel())),
+        inertia=float(places @ full_load + rotary.sum()),
         growth=growth,
     )
 

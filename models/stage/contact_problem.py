@@ -524,6 +524,60 @@ class SpeedChange:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FreeSpeed:
+    """Rotor whose speed follows from its angular momentum, see `solvers/kernel/drive.h`. The course
+    of `SpeedChange` is then the speed at the start."""
+
+    inertia: float
+    """Moment of inertia about the axis, of the bladed disk in the state of steady rotation at the
+    start and of all that turns with it [kg m2]."""
+    torque: float = 0.0  #: torque of the drive [N m]
+    loss: float = 0.0  #: torque of losses by speed [N m s]
+    damping: float = 0.0  #: damping at the centre in static axes [N s/m]
+    along: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Load pattern of Omega^2 [N s2 kg^-1/2], (rotor modes,); empty without rotation effects."""
+    across: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Load pattern of -Omega' [N s2 kg^-1/2], (rotor modes,); empty without rotation effects."""
+
+    def momentum(self, speed: float, change: SpeedChange, x: FloatArray, v: FloatArray) -> float:
+        """Return the angular momentum at a speed [rad/s] for modal displacements and velocities
+        [N m s]."""
+        if change.stiffening is None or change.coriolis is None:
+            return self.inertia * speed
+        inertia = self.inertia + 2.0 * self.along @ x - x @ change.stiffening @ x
+        return float(speed * inertia + self.across @ v + v @ change.coriolis @ x)
+
+    def acceleration(
+        self,
+        speed: float,
+        change: SpeedChange,
+        centre: FloatArray,
+        motion: tuple[FloatArray, FloatArray, FloatArray],
+    ) -> tuple[float, float, FloatArray]:
+        """Return the torque without contact [N m], the acceleration of the rotation [rad/s2], and
+        the modal accelerations that it causes, (modes,).
+
+        Args:
+            speed: speed of rotation [rad/s].
+            change: matrices that depend on the speed.
+            centre: x and y of the centre [kg^-1/2], (2, modes).
+            motion: modal displacements, velocities, and accelerations without that of the rotation.
+        """
+        x, v, free = motion
+        torque = self.torque - self.loss * speed
+        if change.stiffening is None or change.coriolis is None:
+            return torque, torque / self.inertia, np.zeros(len(x))
+        (place, rate), softer = (centre @ x, centre @ v), self.along - change.stiffening @ x
+        swept = place[0] * rate[1] - place[1] * rate[0] + speed * place @ place
+        torque = float(torque - self.damping * swept)
+        coupled = self.across + change.coriolis @ x
+        inertia = self.inertia + (self.along + softer) @ x - coupled @ coupled
+        lost = coupled @ free + 2.0 * speed * softer @ v
+        alpha = float((torque - lost) / inertia)
+        return torque, alpha, -alpha * coupled
+
+
+@dataclass(frozen=True, kw_only=True)
 class ContactProblem:
     """All data of a march except its time steps and its scheme."""
 
@@ -548,6 +602,7 @@ class ContactProblem:
     law: dict[str, float] = field(default_factory=lambda: Contact().law)
     """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
     change: SpeedChange | None = None  #: None for a constant speed
+    drive: FreeSpeed | None = None  #: None for a prescribed speed
 
     def speed_at(self, time: float) -> float:
         """Return the speed of rotation at a time [rad/s]."""

@@ -28,6 +28,7 @@ from bladewhirl.models.stage.forced import (
     forced_superelement,
 )
 from bladewhirl.models.stage.hints import stage_hints, superelement_hints
+from bladewhirl.models.stage.speed_change import turning_inertia
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 
@@ -63,6 +64,8 @@ class MarchedStage(ABC):
     def arrays(self) -> StageArrays:
         """Arrays of the stage in a result."""
         arrays = self.model.arrays
+        if self.case.march.drive is not None and isinstance(self.model, Stage):
+            arrays = replace(arrays, rotor_inertia=turning_inertia(self.model))
         return replace(arrays, modes_speed=self.speed) if self.case.march.varies else arrays
 
     @property

@@ -15,7 +15,13 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.rotation.at_speed import TurningDisk, static_displacement
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, SpeedChange
+from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    FreeSpeed,
+    Load,
+    SpeedChange,
+)
 from bladewhirl.models.stage.excitations import felt
 from bladewhirl.models.stage.stage import Stage
 
@@ -30,7 +36,7 @@ def with_speed_change(stage: Stage, problem: ContactProblem) -> ContactProblem:
         return problem
     turning = stage.turning
     if turning is None:
-        return replace(problem, change=SpeedChange(course=course))
+        return _with_drive(stage, replace(problem, change=SpeedChange(course=course)))
     shapes = stage.reduction.modes.shapes[:, stage.kept.rotor]
     matrices = turning.matrices
     stiffening = shapes.T @ ((matrices.geometric - matrices.mass) @ shapes)
@@ -46,13 +52,46 @@ def with_speed_change(stage: Stage, problem: ContactProblem) -> ContactProblem:
     )
     square = float(course.speed(0.0)) ** 2 - problem.speed**2
     stiffness = np.diag(problem.rotor.stiffness) + square * stiffening
-    start = problem.start.rotor + np.linalg.solve(stiffness, square * centrifugal)
-    return replace(
+    steady = square * centrifugal
+    if stage.case.march.drive is not None:  # whose imbalance acts from the start on
+        steady = steady + sum(load.constant * load.rotor for load in problem.loads)
+    start = problem.start.rotor + np.linalg.solve(stiffness, steady)
+    problem = replace(
         problem,
         loads=(*problem.loads, *loads),
         start=replace(problem.start, rotor=start),
         change=change,
     )
+    return _with_drive(stage, problem)
+
+
+def turning_inertia(stage: Stage) -> float:
+    """Return the moment of inertia about the axis of all that turns [kg m2], in the state of steady
+    rotation at `Stage.speed`."""
+    drive, turning = stage.case.march.drive, stage.turning
+    own = 0.0 if drive is None else drive.inertia
+    if turning is None:
+        return own + rotation_matrices(stage.disk).inertia
+    matrices, grown = turning.matrices, static_displacement(turning.matrices, turning.omega)
+    return float(own + matrices.inertia + grown @ (2.0 * matrices.load + matrices.mass @ grown))
+
+
+def _with_drive(stage: Stage, problem: ContactProblem) -> ContactProblem:
+    """Return the contact problem with the drive of its case, if it has one."""
+    given, change, shaft = stage.case.march.drive, problem.change, stage.case.shaft
+    if given is None:
+        return problem
+    drive = FreeSpeed(inertia=turning_inertia(stage), torque=given.torque, loss=given.loss)
+    if change is not None and change.coriolis is not None:
+        still = np.zeros(len(problem.rotor.frequency))
+        static = shaft.damping_frame == "static" and not shaft.clamped
+        drive = replace(
+            drive,
+            damping=shaft.damping if static else 0.0,
+            along=sum((load.by_square * load.rotor for load in problem.loads), still),
+            across=sum((-load.by_acceleration * load.rotor for load in problem.loads), still),
+        )
+    return replace(problem, drive=drive)
 
 
 def _loads_in_steady_state(turning: TurningDisk) -> tuple[FloatArray, FloatArray]:

@@ -295,6 +295,29 @@ typedef struct {
     int64_t direct;         /* 1 if the blocks X of `stiffening` are zero and left out */
 } Speed;
 
+/* State of a free speed: angle at n - 1 and n [rad], speed at n - 1/2 [rad/s], acceleration in the last
+ * step [rad/s2], speed at n - 1 [rad/s], angular momentum at n - 1/2 [N m s], the works of the
+ * torque, of the loss, and of the contact forces and static dampers on the rotation [J], the speed of
+ * the arrays that depend on it [rad/s], and the angular impulse of the contact forces of the last step
+ * [N m s]. */
+enum {
+    DRIVE_BEFORE, DRIVE_ANGLE, DRIVE_SPEED, DRIVE_ACCELERATION, DRIVE_LAST, DRIVE_MOMENTUM,
+    DRIVE_WORK, DRIVE_LOSS, DRIVE_CONTACT, DRIVE_CENTRE, DRIVE_IMPULSE,
+    DRIVE_NUMBERS
+};
+
+/* Drive of a rotor whose speed is free, see `drive.h`. */
+typedef struct {
+    double inertia;   /* moment of inertia of the rotor in the state at the speed `base` [kg m2] */
+    double torque;    /* [N m] */
+    double loss;      /* torque of losses by speed [N m s] */
+    double damping;   /* of static dampers at the centre [N s/m] */
+    Matrix centre;    /* (2, spun_drive) x and y of the centre, if `damping` is not zero */
+    Vector along;     /* (spun_drive) a: half of the change of the inertia by displacements */
+    Vector across;    /* (spun_drive) b: momentum of velocities */
+    Vector held;      /* (spun_drive) force that holds the rotor in the state at the speed `base` */
+} Drive;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -315,6 +338,7 @@ typedef struct {
     Matrix force;    /* (node_copies, components) contact forces at step n [N] */
     Matrix direction; /* (node_copies, twice_nodes) tangential and axial part of the direction of
                        * sliding of each node */
+    Vector drive;    /* (drive_numbers) DRIVE_BEFORE ... of a free speed */
     Vector until;    /* (bent_tips) last step of the linearisation of each tip */
     Matrix checked;  /* (3, bent_wide) opening at the last check, and its first and second
                       * differences between checks [m] */
@@ -340,6 +364,9 @@ typedef struct {
     Matrix coating;         /* (records, coating_sums) sums of the coating */
     Matrix coating_impulse; /* (records, coated_tips) normal impulse on the coating */
     Matrix rotation;        /* (records, rotation_numbers) ANGLE ... if the speed varies */
+    Matrix drive;           /* (records, drive_numbers) DRIVE_BEFORE ... of a free speed */
+    Vector rotor_energy;    /* (driven_records) energy of the rotation half a step before the record,
+                             * which `energy` lacks, of a free speed [J] */
 } Records;
 
 typedef struct {
@@ -471,6 +498,7 @@ typedef struct {
     Vector stiffened; /* (spun) product of `stiffening` and x_n */
     Vector force;     /* (spun) force due to the change of the speed */
     Vector input;     /* (spun) scratch */
+    Vector coupled;   /* (spun_drive) G x_n + b of a free speed */
 } SpeedScratch;
 
 typedef struct {
@@ -501,6 +529,7 @@ typedef struct {
     const Nodes *nodes;           /* or NULL */
     const NodeCoating *node_coating; /* or NULL */
     const Speed *speed;           /* or NULL */
+    const Drive *drive;           /* or NULL */
     const Numbers *numbers;
 } Stage;
 

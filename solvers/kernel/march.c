@@ -34,10 +34,10 @@
  * `solvers.march.reference` is the same scheme in NumPy, which follows the definitions directly.
  */
 #include "nodes.h"
-#include "speed.h"
+#include "drive.h"
 
 /* Compute x_p of both bodies. */
-static inline void predict(const March *m)
+static inline void predict(March *m)
 {
     const Body *rotor = &m->stage.rotor->body, *casing = &m->stage.casing->body;
     Scratch *s = m->scratch;
@@ -71,6 +71,8 @@ static inline void predict(const March *m)
         turn(m->stage.rotor, m->stage.gyroscopic, x, m->stage.speed ? s->speed.force.at : NULL,
              s->turned.at);
     }
+    if (m->stage.drive)
+        predict_drive(m);
 }
 
 /* Add the response to the contact forces of the active set to x_p. */
@@ -225,7 +227,7 @@ static inline int solve_step(March *m, int64_t step, int64_t *penetrating)
 }
 
 /* Add the impulses, works and losses of an accepted step to the state. */
-static inline void account(const March *m, int64_t step, int touching)
+static inline void account(March *m, int64_t step, int touching)
 {
     State *state = m->state;
     Scratch *s = m->scratch;
@@ -265,6 +267,8 @@ static inline void account(const March *m, int64_t step, int touching)
     work[DAMPING] += lost / m->stage.numbers->time_step;
     if (m->stage.speed)
         account_speed(m);
+    if (m->stage.drive)
+        account_drive(m, touching);
     if (m->stage.dampers) {
         const double *force = s->damper_force.at;
         work[DAMPING] += damper_loss(&m->stage.dampers->rotor, x, s->stroke.at, force);
@@ -305,7 +309,10 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
     int status = RUNNING;
     begin(&m, step);
     for (; step < end; step++) {
-        prepare_speed(&m, step, step == end - steps);
+        if (stage->drive)
+            prepare_drive(&m, step, step == end - steps);
+        else
+            prepare_speed(&m, step, step == end - steps);
         m.loaded = load_amplitudes(&numbers->loads, stage->speed ? &stage->speed->factors : NULL,
                                    &m.rotation, (double)step * dt, scratch->amplitude.at);
         if (springs)
@@ -319,6 +326,8 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
             double stored = energy[0] + (stage->nodes ? flexible_energy(&m) : 0.0);
             if (stage->speed)
                 stored += record_speed(&m, records, written);
+            if (stage->drive)
+                record_drive(&m, records, written);
             write_record(records, written++, state, rotor, casing, m.x, m.y, dt, stored, step,
                          within);
         }

@@ -34,6 +34,8 @@ typedef struct {
     double now;          /* Omega at n [rad/s] */
     double next;         /* psi at n + 1 [rad] */
     double later;        /* Omega' at n + 1 [rad/s2] */
+    double half;         /* Omega at n + 1/2 of a free speed [rad/s] */
+    double torque;       /* torque on the rotor without contact forces, of a free speed [N m] */
     double centre;       /* speed of the arrays that depend on the speed [rad/s] */
 } Rotation;
 

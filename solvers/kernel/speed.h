@@ -127,12 +127,13 @@ static void speed_forces(March *m)
     double *input = m->scratch->speed.input.at;
     double late = 2.0 * (r->now - r->centre) / m->stage.numbers->time_step;
     int steady = late == 0.0 && r->acceleration == 0.0;
-    if (!speed->direct || (r->square[0] == 0.0 && r->square[1] == 0.0))
+    int changed = m->stage.drive || r->square[0] != 0.0 || r->square[1] != 0.0;
+    if (!speed->direct || !changed)
         for (int64_t i = 0; i < x.entries; i += LANES)
             store(stiffened + i, splat(0.0));
-    if (speed->direct && (r->square[0] != 0.0 || r->square[1] != 0.0))
+    if (speed->direct && changed)
         direct_product(m->stage.rotor, &speed->stiffening, x.now, stiffened);
-    else if (r->square[0] != 0.0 || r->square[1] != 0.0)
+    else if (changed)
         add_product(m->stage.rotor, &speed->stiffening, x.entries, x.now, stiffened, stiffened);
     Lanes by_old = splat(late), by_now = splat(-r->acceleration - late), by = splat(-r->square[1]);
     for (int64_t i = 0; i < x.entries; i += LANES) {
@@ -141,6 +142,16 @@ static void speed_forces(March *m)
     }
     if (!steady)
         add_product(m->stage.rotor, &speed->coriolis, x.entries, input, force, force);
+}
+
+/* Let the arrays that depend on the speed be those at another speed. */
+static void refresh_speed(March *m, double centre)
+{
+    IntMatrix *known = &m->scratch->contact.known;
+    m->rotation.centre = centre;
+    set_speed(m->stage.speed, centre);
+    for (int64_t j = 0; j < known->columns; j++)
+        known->at[j] = -1;
 }
 
 /* Compute the rotation in a step, and the forces due to its change. */
@@ -177,12 +188,8 @@ static void prepare_speed(March *m, int64_t step, int first)
     if (first || step % REFRESH == 0) {
         double middle = (double)(step - step % REFRESH) + 0.5 * REFRESH, centre, angle;
         course_at(speed, n, middle, &angle, &centre, &ignored);
-        if (first || centre != r->centre) {
-            r->centre = centre;
-            set_speed(speed, centre);
-            for (int64_t j = 0; j < c->known.columns; j++)
-                c->known.at[j] = -1;
-        }
+        if (first || centre != r->centre)
+            refresh_speed(m, centre);
     }
     speed_forces(m);
 }

@@ -32,7 +32,7 @@ from bladewhirl.solvers.packing.nodes import (
     pack_nodes,
 )
 from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
-from bladewhirl.solvers.packing.speed import pack_speed
+from bladewhirl.solvers.packing.speed import pack_drive, pack_speed
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 
 
@@ -91,11 +91,14 @@ class CentralDifference:
             "numbers": _numbers(problem, time_step),
         }
         self._stage["speed"] = pack_speed(problem, rotor, self._stage, self._pack_coupled)
+        self._stage["drive"] = pack_drive(problem, rotor)
         self._scratch = Struct("Scratch", **self._working_arrays())
         # State and records are copied to and from arrays that are used again, as making and
         # checking new ones takes longer.
         self._state = Struct("State", **zeros("State", self._sizes()))
-        self._records = Struct("Records", **zeros("Records", self._sizes() | {"records": 0}))
+        self._records = Struct(
+            "Records", **zeros("Records", self._sizes() | {"records": 0, "driven_records": 0})
+        )
         #: whether records contain the motion of the casing; if not, its arrays have no columns
         self.records_casing = True
 
@@ -115,7 +118,7 @@ class CentralDifference:
     def init(self) -> KernelState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
         problem, start, dt = self._problem, self._problem.start, self._time_step
-        speed, rate = problem.speed, 0.0
+        speed, rate, torque = problem.speed, 0.0, 0.0
         if problem.change is not None:
             speed, rate = problem.speed_at(0.0), float(problem.change.course.acceleration(0.0))
         amplitudes = np.array(
@@ -141,6 +144,12 @@ class CentralDifference:
             frequency = np.abs(body.frequency)
             drag = 2.0 * body.damping_ratio * frequency * v + body.dampers.T @ (body.dampers @ v)
             acceleration = force - body.frequency * frequency * x - drag
+            if name == "rotor" and problem.drive is not None:
+                assert problem.change is not None
+                torque, rate, further = problem.drive.acceleration(
+                    speed, problem.change, body.centre, (x, v, acceleration)
+                )
+                acceleration = acceleration + further
             before = x - dt * v + 0.5 * dt**2 * acceleration
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
         arrays = zeros("State", self._sizes())
@@ -150,6 +159,8 @@ class CentralDifference:
         if problem.coating is not None:
             strain = np.atleast_2d(problem.coating.strain)
             arrays["strain"][:, : strain.shape[1]] = strain
+        if problem.drive is not None:
+            self._start_drive(arrays, torque, rate)
         rotor, casing = (
             arrangement.unpack(slot[0])
             for arrangement, slot in zip(self._arrangements, slots, strict=True)
@@ -157,6 +168,24 @@ class CentralDifference:
         earlier = replace(problem, start=replace(start, rotor=rotor, casing=casing))
         arrays["gaps"][:] = arrays["gap"], earlier.initial_gap(-dt)
         return KernelState(step=0, arrays=arrays)
+
+    def _start_drive(self, arrays: Arrays, torque: float, rate: float) -> None:
+        """Set the state of a free speed at t = 0 with the torque [N m] and the acceleration
+        [rad/s2]."""
+        problem, dt = self._problem, self._time_step
+        assert problem.drive is not None
+        assert problem.change is not None
+        speed, start = problem.speed, problem.start
+        state = dict.fromkeys(range(lib.DRIVE_NUMBERS), 0.0) | {
+            lib.DRIVE_BEFORE: -speed * dt + 0.5 * rate * dt**2,
+            lib.DRIVE_SPEED: speed - 0.5 * dt * rate,
+            lib.DRIVE_ACCELERATION: rate,
+            lib.DRIVE_LAST: speed - dt * rate,
+            lib.DRIVE_CENTRE: speed,
+            lib.DRIVE_MOMENTUM: -0.5 * dt * torque
+            + problem.drive.momentum(speed, problem.change, start.rotor, start.rotor_velocity),
+        }
+        arrays["drive"][:] = [state[place] for place in range(lib.DRIVE_NUMBERS)]
 
     def advance(
         self, state: KernelState, steps: int, record_every: int | None = None
@@ -168,7 +197,12 @@ class CentralDifference:
         most = steps // every + 2
         columns = self._arrangements[1].entries if self.records_casing else 0
         if len(self._records.step) < most or self._records.casing.shape[1] != columns:
-            sizes = self._sizes() | {"records": most, "casing_entries": columns}
+            driven = 0 if self._problem.drive is None else most
+            sizes = self._sizes() | {
+                "records": most,
+                "casing_entries": columns,
+                "driven_records": driven,
+            }
             self._records = Struct("Records", **zeros("Records", sizes))
         status, reached, written = march(
             self._stage,
@@ -194,6 +228,8 @@ class CentralDifference:
             **node_sizes(self._problem),
             "spun": rotor.entries if self._spins else 0,
             "rotation_numbers": lib.ROTATION_NUMBERS if self._problem.change is not None else 0,
+            "spun_drive": rotor.entries if self._spins and self._problem.drive is not None else 0,
+            "drive_numbers": 0 if self._problem.drive is None else lib.DRIVE_NUMBERS,
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
             "tips": tips,
@@ -276,8 +312,22 @@ class CentralDifference:
             closing_work=work[:, lib.CLOSING],
             rotation_angle=records.rotation[:written, lib.ANGLE].copy() if varies else np.zeros(0),
             rotation_speed=records.rotation[:written, lib.SPEED].copy() if varies else np.zeros(0),
+            **self._drive_records(written),
             **self._node_records(written),
         )
+
+    def _drive_records(self, written: int) -> dict[str, FloatArray]:
+        """Return the records of a free speed, if it is free."""
+        if self._problem.drive is None:
+            return {}
+        drive = self._records.drive[:written].copy()
+        return {
+            "angular_momentum": drive[:, lib.DRIVE_MOMENTUM],
+            "rotor_energy": self._records.rotor_energy[:written].copy(),
+            "drive_work": drive[:, lib.DRIVE_WORK],
+            "loss_work": drive[:, lib.DRIVE_LOSS],
+            "braking_work": drive[:, lib.DRIVE_CONTACT],
+        }
 
     def _node_records(self, written: int) -> dict[str, FloatArray]:
         """Return motion and forces of contact nodes with their own flexibility, if there are

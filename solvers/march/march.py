@@ -99,6 +99,18 @@ class Chunk:
     """Angle of the rotor [rad], (records,); empty at constant speed."""
     rotation_speed: FloatArray = absent()
     """Speed of rotation [rad/s], (records,); empty at constant speed."""
+    angular_momentum: FloatArray = absent()
+    """Angular momentum of the rotor half a step before each record [N m s], (records,); empty if
+    the speed is prescribed."""
+    rotor_energy: FloatArray = absent()
+    """Energy of the rotation, which `energy` lacks, half a step before each record [J], (records,);
+    empty as above."""
+    drive_work: FloatArray = absent()
+    """Work of the torque of the drive since the start [J], (records,); empty as above."""
+    loss_work: FloatArray = absent()
+    """Energy lost by the torque of losses [J], (records,); empty as above."""
+    braking_work: FloatArray = absent()
+    """Work of contact forces and static dampers on the rotation [J], (records,); empty as above."""
     coating: CoatingRecords | None = None  #: None without a coating
 
     @property

@@ -48,6 +48,8 @@ def pack_speed(
     (stiffening, direct), coriolis = (empty, 0), empty
     if change.stiffening is not None and change.coriolis is not None:
         low, high = change.course.range
+        if problem.drive is not None:  # the range is not known; a polynomial holds beyond it
+            low, high = 0.0, 1.5 * problem.speed
         points = np.linspace(low, high, POINTS)
         if high - low <= EQUAL * abs(problem.speed):
             points = np.array([problem.speed])
@@ -68,6 +70,29 @@ def pack_speed(
         stiffening=stiffening,
         coriolis=coriolis,
         direct=direct,
+    )
+
+
+def pack_drive(problem: ContactProblem, arrangement: Arrangement) -> Struct | None:
+    """Return the drive of a free speed; None if the speed is prescribed."""
+    drive, rotor = problem.drive, problem.rotor
+    if drive is None:
+        return None
+    none, coupled = aligned(0), len(drive.along) > 0
+    still, square = np.zeros(len(rotor.frequency)), problem.speed**2
+    held = sum(
+        ((load.by_square * square - load.constant) * load.rotor for load in problem.loads), still
+    )
+    return Struct(
+        "Drive",
+        inertia=drive.inertia,
+        torque=drive.torque,
+        loss=drive.loss,
+        damping=drive.damping,
+        centre=arrangement.pack(rotor.centre) if coupled else aligned((0, 0)),
+        along=arrangement.pack(drive.along) if coupled else none,
+        across=arrangement.pack(drive.across) if coupled else none,
+        held=arrangement.pack(np.asarray(held)) if coupled else none,
     )
 
 

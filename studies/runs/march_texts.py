@@ -28,7 +28,7 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
         "case": case_text,
     }
     course = stage.case.march.course(stage.reference_frequency)
-    if course is not None:
+    if course is not None and stage.case.march.drive is None:
         common["lowest_speed"], common["highest_speed"] = course.range
     symmetries = stage.symmetry.items()
     marched = "; ".join(

@@ -1,0 +1,177 @@
+/* Speed of rotation that is free: it follows from the angular momentum of the rotor
+ *
+ *     p = Omega (J + 2 a^T x - x^T K_1 x) + b^T x' + (G x)^T x',       p' = torques,
+ *
+ * the derivative of the Lagrangian by Omega, with the symbols of `speed.h`: J is the moment of
+ * inertia in the state from which displacements count, Omega^2 a and -Omega' b are the load patterns.
+ * The torques are those of the drive, of losses, of friction, of normal forces on a wall whose radius
+ * changes with the angle, and of static dampers.
+ *
+ * p is taken at half steps, with x_n^T K_1 x_{n+1} and x_n^T G^T x_{n+1} / h, which is linear in
+ * x_{n+1}. A step is predicted with the acceleration of the last step. The acceleration then follows
+ * from p without contact forces, and changes x_{n+1} by -h^2 (b + G x_n) times its change. Contact
+ * forces of a step change p in this step, and the speed from the next step on.
+ */
+#ifndef DRIVE_H
+#define DRIVE_H
+
+#include "speed.h"
+
+/* Compute the rotation in a step from the state; the speed at n is expected from the acceleration. */
+static void prepare_drive(March *m, int64_t step, int first)
+{
+    const Speed *speed = m->stage.speed;
+    const Drive *drive = m->stage.drive;
+    const double *s = m->state->drive.at;
+    Rotation *r = &m->rotation;
+    double dt = m->stage.numbers->time_step, square = speed->base * speed->base;
+    r->angle[0] = s[DRIVE_BEFORE];
+    r->angle[1] = s[DRIVE_ANGLE];
+    r->acceleration = s[DRIVE_ACCELERATION];
+    r->now = s[DRIVE_SPEED] + 0.5 * dt * r->acceleration;
+    r->square[0] = s[DRIVE_LAST] * s[DRIVE_LAST] - square;
+    r->square[1] = r->now * r->now - square;
+    r->circulation = r->now / speed->base;
+    if (m->scratch->speed.force.size > 0) {
+        if (step % REFRESH == 0)
+            m->state->drive.at[DRIVE_CENTRE] = s[DRIVE_SPEED];
+        if (first || step % REFRESH == 0)
+            refresh_speed(m, s[DRIVE_CENTRE]);
+        speed_forces(m);
+        double *coupled = m->scratch->speed.coupled.at;
+        for (int64_t i = 0; i < m->x.entries; i += LANES)
+            store(coupled + i, load(drive->across.at + i));
+        add_product(m->stage.rotor, &speed->coriolis, m->x.entries, m->x.now, coupled, coupled);
+    }
+}
+
+/* Return the torque of static dampers, with the velocity of the predicted step. */
+static double damper_torque(const March *m)
+{
+    const Drive *d = m->stage.drive;
+    double u[2], v[2], dt = m->stage.numbers->time_step;
+    if (d->damping == 0.0)
+        return 0.0;
+    for (int k = 0; k < 2; k++) {
+        u[k] = product(&d->centre, k, m->x.now);
+        v[k] = (product(&d->centre, k, m->x.new) - product(&d->centre, k, m->x.old)) / (2.0 * dt);
+    }
+    double moved = u[0] * v[1] - u[1] * v[0];
+    return -d->damping * (moved + m->rotation.now * (u[0] * u[0] + u[1] * u[1]));
+}
+
+/* Return the angular momentum at n + 1/2 without that of the change of the acceleration; `inertia`
+ * gets the moment of inertia. */
+static double momentum(const March *m, double speed, double *inertia)
+{
+    const Drive *d = m->stage.drive;
+    const SpeedScratch *s = &m->scratch->speed;
+    Motion x = m->x;
+    Lanes sum = splat(0.0), carried = splat(0.0);
+    for (int64_t i = 0; i < d->along.size; i += LANES) {
+        Lanes now = load(x.now + i), new = load(x.new + i);
+        sum = muladd(load(d->along.at + i), add(now, new), sum);
+        sum = sub(sum, mul(load(s->stiffened.at + i), new));
+        carried = muladd(load(s->coupled.at + i), new, carried);
+        carried = sub(carried, mul(load(d->across.at + i), now));
+    }
+    *inertia = d->inertia + total(sum);
+    return speed * *inertia + total(carried) / m->stage.numbers->time_step;
+}
+
+/* Compute the acceleration from the predicted x_{n+1}, and add its change to x_{n+1}. */
+static void predict_drive(March *m)
+{
+    const Drive *d = m->stage.drive;
+    const Numbers *n = m->stage.numbers;
+    const double *s = m->state->drive.at, *coupled = m->scratch->speed.coupled.at;
+    Rotation *r = &m->rotation;
+    double dt = n->time_step, acceleration = r->acceleration, inertia;
+    r->torque = d->torque - d->loss * r->now + damper_torque(m);
+    double goal = s[DRIVE_MOMENTUM] + dt * r->torque;
+    double own = d->along.size > 0 ? dot(coupled, coupled, d->along.size) : 0.0;
+    for (int trial = 0; trial < 3; trial++) {
+        double lacks = goal - momentum(m, s[DRIVE_SPEED] + dt * acceleration, &inertia);
+        double change = lacks / (dt * (inertia - own));
+        acceleration += change;
+        Lanes by = splat(-dt * dt * change);
+        for (int64_t i = 0; i < d->along.size; i += LANES)
+            store(m->x.new + i, muladd(by, load(coupled + i), load(m->x.new + i)));
+    }
+    r->later = acceleration;
+    r->half = s[DRIVE_SPEED] + dt * acceleration;
+    r->next = s[DRIVE_ANGLE] + dt * r->half;
+    r->speed = r->half + 0.5 * dt * acceleration;
+    r->elements = r->next * (double)m->stage.casing->nodes / (2.0 * PI);
+    r->wheel_speed = n->radius * r->speed;
+    ContactScratch *c = &m->scratch->contact;
+    for (int64_t j = 0; j < c->sign.size && n->is_signed == 0.0; j++)
+        c->sign.at[j] = (r->speed > 0.0) - (r->speed < 0.0);
+}
+
+/* Return the change of the radius of the wall by the angle at a tip [m]. */
+static double wall_slope(const March *m, int64_t tip)
+{
+    const Casing *casing = m->stage.casing;
+    const FieldScratch *f = &m->scratch->fields;
+    const Matrix *nodal = casing->modes == 0 ? &casing->radial.start : &f->nodal;
+    const double *places = m->stage.numbers->elements_per_metre == 0.0
+                               ? m->stage.rotor->position.at : f->at.at;
+    double place = places[tip] + m->rotation.elements, length = casing->element_length;
+    double xi = place - floor(place), rest = 1.0 - xi;
+    double weight[4] = {-6.0 * xi * rest, length * rest * (1.0 - 3.0 * xi), 6.0 * xi * rest,
+                        length * xi * (3.0 * xi - 2.0)};
+    double slope = hermite_value(nodal, f->element.at[tip], weight, 1);
+    return slope * (double)casing->nodes / (2.0 * PI);
+}
+
+/* Advance the state of the drive by an accepted step. */
+static void account_drive(March *m, int touching)
+{
+    const Numbers *n = m->stage.numbers;
+    const ContactScratch *c = &m->scratch->contact;
+    const Rotation *r = &m->rotation;
+    double *s = m->state->drive.at, dt = n->time_step, contact = 0.0;
+    for (int64_t j = 0; touching && j < c->multiplier.size; j++)
+        if (c->multiplier.at[j] > 0.0)
+            contact += c->multiplier.at[j]
+                       * (wall_slope(m, j) - n->friction * c->sign.at[j] * n->radius);
+    /* The work of the Euler force that the change of the predicted acceleration adds. */
+    const double *coupled = m->scratch->speed.coupled.at;
+    double along = 0.0, lost = m->stage.drive->loss * r->now;
+    for (int64_t i = 0; i < m->scratch->speed.coupled.size; i++)
+        along += 0.5 * coupled[i] * (m->x.new[i] - m->x.old[i]);
+    m->state->work.at[PARAMETRIC] -= (r->later - r->acceleration) * along;
+    double damped = r->torque - m->stage.drive->torque + lost;
+    double mean = 0.5 * (s[DRIVE_SPEED] + r->half); /* an impulse of contact acts one step later */
+    s[DRIVE_WORK] += dt * mean * m->stage.drive->torque;
+    s[DRIVE_LOSS] += dt * mean * lost;
+    s[DRIVE_CONTACT] += mean * (dt * damped + s[DRIVE_IMPULSE]);
+    s[DRIVE_IMPULSE] = dt * contact;
+    s[DRIVE_MOMENTUM] += dt * (r->torque + contact);
+    s[DRIVE_BEFORE] = r->angle[1];
+    s[DRIVE_ANGLE] = r->next;
+    s[DRIVE_LAST] = r->now;
+    s[DRIVE_SPEED] = r->half;
+    s[DRIVE_ACCELERATION] = r->later;
+}
+
+/* Record the state of the drive, and the energy Omega p - Omega^2 (J + 2 a^T x) / 2 with the potential
+ * of the forces that hold the rotor in the state at the speed `base`. */
+static void record_drive(const March *m, Records *records, int64_t row)
+{
+    const Drive *d = m->stage.drive;
+    const double *s = m->state->drive.at;
+    double inertia = d->inertia, held = 0.0;
+    for (int64_t i = 0; i < d->along.size; i++) {
+        double old = m->x.old[i], now = m->x.now[i];
+        inertia += d->along.at[i] * (old + now);
+        held += 0.5 * d->held.at[i] * (old + now);
+    }
+    double speed = s[DRIVE_SPEED], momentum = s[DRIVE_MOMENTUM] - s[DRIVE_IMPULSE];
+    records->rotor_energy.at[row] = speed * momentum - 0.5 * speed * speed * inertia + held;
+    for (int64_t i = 0; i < DRIVE_NUMBERS; i++)
+        records->drive.at[row * DRIVE_NUMBERS + i] = m->state->drive.at[i];
+}
+
+#endif
