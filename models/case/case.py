@@ -118,7 +118,6 @@ class Case(Tables):
             ("casing.closure.lobes", closure is None or not closure.lobes, "no lobes"),
             ("coupling.stiffness", self.coupling.stiffness == 0.0, "0"),
             ("shaft.stiffness_y", shaft.clamped or not shaft.anisotropy, "equal springs"),
-            ("bladed_disk.superelement", self.bladed_disk.superelement is None, "beams"),
         ):
             if not allowed:
                 expected = f"{expected} with march.drive"

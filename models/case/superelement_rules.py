@@ -130,6 +130,9 @@ def _rotation_faults(case: Tables, part: Superelement) -> Iterator[Inconsistency
         if needed not in ("none", False) and getattr(part, key) is None:
             expected = f'"none", or a file with {key}, without which {without}'
             yield Inconsistency("rotation.effects", expected, (SOURCE,))
+    if case.march.drive is not None:
+        expected = "beams: a file does not give the moment of inertia that a free speed needs"
+        yield Inconsistency("march.drive", expected, (SOURCE,))
     if case.march.varies and effects != "none":
         expected = '"none" with a speed that varies: a file has the matrices of one speed'
         yield Inconsistency("rotation.effects", expected, (SOURCE, "march"))

@@ -193,6 +193,11 @@ def make_grid(
         raise UserError(f"{OVER}: expected at least one key, such as march.speed=0.95:2:0.005")
     for key in given:
         check_key(case, key, OVER if table is None else table.head)
+        if key == "march.speed" and case.march.varies and case.march.drive is None:
+            raise UserError(
+                f"{OVER} march.speed: expected a key of the speed over time, such as"
+                " march.run_up.end, or a case without march.speed_table and march.run_up"
+            )
     axes = [Axis(key=key, values=tuple(values)) for key, values in given.items()]
     columns = () if table is None else tuple(axes)
     if columns:

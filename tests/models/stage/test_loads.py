@@ -39,6 +39,26 @@ def centre_force(given: Stage, modal: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(given.rotor.centre.T, modal, rcond=None)[0])
 
 
+def test_an_imbalance_has_an_angle_and_follows_a_speed_that_varies() -> None:
+    turned = ("excitation.type=imbalance", "excitation.unbalance=0.2", "excitation.phase=0.7")
+    stage = on_support(*turned)
+    centre, force = stage.rotor.centre, 0.2 * stage.speed**2
+    [load] = excitation_loads(stage)
+    np.testing.assert_allclose(
+        load.rotor, force * (np.cos(0.7) * centre[0] + np.sin(0.7) * centre[1]), atol=1e-9 * force
+    )
+    varying = on_support(*turned, "march.speed_table=[[0.0, 0.5], [1.0, 1.5]]")
+    outward, around = excitation_loads(varying)
+    speed, rate = 0.8 * varying.speed, 30.0
+    acting = sum(
+        each.scale_at(speed**2 - varying.speed**2, rate) * each.rotor for each in (outward, around)
+    )
+    mass = 0.2 * np.exp(0.7j)
+    inertia = mass * (speed**2 - 1j * rate)  # minus m times the acceleration of e exp(i psi)
+    expected = inertia.real * centre[0] + inertia.imag * centre[1]
+    np.testing.assert_allclose(acting, expected, atol=1e-9 * np.abs(expected).max())
+
+
 def test_an_imbalance_closes_the_clearance_at_its_speed() -> None:
     """The centre stands on its springs alone: the force is k_o delta, 34.0 kN."""
     slow, fast = (on_support("excitation.type=imbalance", f"march.speed={v}") for v in (0.95, 1.9))
