@@ -228,12 +228,24 @@ class Grid:
         """Matrices E, G0, G1 of a step of the state (unit q, q'), (2 * modes, 2 * modes) and twice
         (2 * modes, 3 * nodes)."""
         blade, modes = self.blade, len(self.blade.stiffness)
-        state = companion(-np.diag(blade.stiffness), -blade.damping, self.unit)
-        wide = np.zeros((4 * modes, 4 * modes))
-        wide[: 2 * modes, : 2 * modes] = self.step * state
-        wide[modes : 2 * modes, 2 * modes : 3 * modes] = self.step * np.eye(modes)
-        wide[2 * modes : 3 * modes, 3 * modes :] = np.eye(modes)
-        carried, held, ramp = np.split(la.expm(wide)[: 2 * modes], [2 * modes, 3 * modes], axis=1)
+        if np.count_nonzero(blade.damping - np.diag(np.diag(blade.damping))):
+            state = companion(-np.diag(blade.stiffness), -blade.damping, self.unit)[None]
+        else:  # modes of one coordinate each
+            pairs = zip(blade.stiffness, np.diag(blade.damping), strict=True)
+            state = np.stack(
+                [companion(np.array([[-k]]), np.array([[-d]]), self.unit) for k, d in pairs]
+            )
+        sets, own = len(state), state.shape[1] // 2
+        wide = np.zeros((sets, 4 * own, 4 * own))
+        wide[:, : 2 * own, : 2 * own] = self.step * state
+        wide[:, own : 2 * own, 2 * own : 3 * own] = self.step * np.eye(own)
+        wide[:, 2 * own : 3 * own, 3 * own :] = np.eye(own)
+        moved = la.expm(wide)[:, : 2 * own].reshape(sets, 2, own, 4, own)
+        full = np.zeros((2, sets, own, 4, sets, own))
+        for n in range(sets):
+            full[:, n, :, :, n] = moved[n]
+        both = full.reshape(2 * modes, 4 * modes)
+        carried, held, ramp = np.split(both, [2 * modes, 3 * modes], axis=1)
         return carried, (held - ramp) @ blade.contact.T, ramp @ blade.contact.T
 
     @cached_property

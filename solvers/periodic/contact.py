@@ -153,22 +153,24 @@ def active(motion: Motion) -> BoolArray:
     return np.asarray(motion.normal > motion.grid.blade.stiffness_scale * motion.gap)
 
 
-def equations(motion: Motion, chosen: BoolArray) -> Equations:
+def equations(motion: Motion, chosen: BoolArray, by: Grid | None = None) -> Equations:
     """Return the equations of the active set `chosen`, (instants, nodes), outside of which normal
-    forces are zero."""
+    forces are zero; the derivatives are those of responses of the grid `by`, if given."""
     grid, blade = motion.grid, motion.grid.blade
     instant, node = np.nonzero(chosen)
     lag = (instant[:, None] - instant) % grid.instants
     place = (node[:, None] * blade.nodes + node) * grid.instants + lag
     ways = motion.ways[chosen]
 
-    def answer(rate: int, row: int, by: FloatArray) -> FloatArray:
+    lagged = (grid if by is None else by).lagged
+
+    def answer(rate: int, row: int, forces: FloatArray) -> FloatArray:
         """Return how component `row` of displacement or velocity at each member answers to forces
-        `by` on each member."""
+        on each member."""
         total = np.zeros(place.shape)
         for column in range(DIRECTIONS):
-            if by[:, column].any():
-                total += np.take(grid.lagged[rate, row, column], place) * by[:, column]
+            if forces[:, column].any():
+                total += np.take(lagged[rate, row, column], place) * forces[:, column]
         return total
 
     by_normal = answer(0, 0, ways)  # gap: -u_r, and forces are -lambda ways
@@ -207,6 +209,8 @@ def moved(motion: Motion, chosen: BoolArray, change: FloatArray) -> Motion:
 
 def released(motion: Motion, chosen: BoolArray) -> Motion:
     """Return a motion without normal forces outside an active set."""
+    if not motion.normal[~chosen].any():
+        return motion
     return replace(motion, normal=np.where(chosen, motion.normal, 0.0))
 
 

@@ -121,8 +121,8 @@ class Continuation:
         for step in range(CORRECTIONS):
             motion = released(motion, chosen)
             if step % FEW == 0:
-                slope = self._slope(motion, parameter)
-            matrix, residual = self._bordered(start, motion, parameter, chosen, slope)
+                slope, by = self._slope(motion, parameter), motion.grid
+            matrix, residual = self._bordered(start, motion, chosen, slope, by)
             count, size = np.count_nonzero(chosen), len(residual)
             off = matrix[size, :count] @ (motion.normal - first[0])[chosen]
             off -= (row * first[0])[~chosen].sum()
@@ -159,13 +159,14 @@ class Continuation:
         self,
         start: Point,
         motion: Motion,
-        parameter: float,
         chosen: BoolArray,
         slope: FloatArray,
+        by: Grid,
     ) -> tuple[FloatArray, FloatArray]:
         """Return the derivatives of the equations of an active set and of the plane normal to the
-        tangent of a point, by forces, angles and the relative parameter; and the residuals."""
-        system, count = equations(motion, chosen), np.count_nonzero(chosen)
+        tangent of a point, by forces, angles and the relative parameter, with the responses of a
+        grid near that of the motion; and the residuals."""
+        system, count = equations(motion, chosen, by), np.count_nonzero(chosen)
         size = len(system.value)
         matrix = np.zeros((size + 1, size + 1))
         matrix[:size, :size] = system.matrix
@@ -225,7 +226,7 @@ class Continuation:
         parameter = point.parameter + float(far[member]) * point.heading
         corner = replace(point, motion=motion, parameter=parameter)
         matrix, _ = self._bordered(
-            corner, motion, parameter, beyond, self._slope(motion, parameter)
+            corner, motion, beyond, self._slope(motion, parameter), motion.grid
         )
         try:
             tangent = np.linalg.solve(matrix, np.eye(len(matrix))[-1])

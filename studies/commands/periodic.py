@@ -39,6 +39,10 @@ def periodic(
     the exit code is 2. The case needs a superelement of the kind "blade" with massless contact
     nodes in a rigid wall. With --json and no -o nothing is written.
 
+    With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
+    constant in rotating axes; its forces and the radius of the shaft are computed, not its
+    stability.
+
     With --over the motion is followed over a key of the case through folds, at which marches jump.
     The table lists folds, period doublings and Neimark-Sacker bifurcations (quasi-periodic
     motions), each confirmed with twice as many instants. branch.nc is written point by point, and

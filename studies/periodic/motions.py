@@ -20,6 +20,7 @@ from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.solvers.periodic.stability import monodromy
 from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.periodic import corotating
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
 from bladewhirl.studies.runs.columns import Column, quantity, table
 
@@ -73,8 +74,14 @@ def periodic(
     than one periodic motion; this function finds one, stable or not, and not always the one that a
     march from rest finds.
 
+    If the loads are constant in rotating axes, as those of an imbalance, and the wall is round,
+    contact is constant in these axes too: on bladed disks of beams or superelements, in a rigid or
+    a uniform flexible casing. The Dataset then has `normal_force` [N] and `gap` [m] of each tip,
+    `centre` [m] and `impulse_per_revolution`; the stability is not computed.
+
     Args:
-        case_or_stage: a case with a superelement of the kind "blade" in a rigid wall, or its stage.
+        case_or_stage: a case with a superelement of the kind "blade" in a rigid wall, or with an
+            imbalance and a round wall, or its stage.
         speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
             rpm"; by default the speed of the case.
         blade: number of the blade; blades do not influence each other.
@@ -100,21 +107,30 @@ def periodic(
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
-    solutions, failures, reference = [], [], 1.0
+    solutions, constant, failures, reference = [], [], [], 1.0
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
         at_speed = marched_stage(with_values(stage, {"march.speed": speed.given}))
         reference = at_speed.reference_frequency
-        problem, structure = at_speed.contact_problem(), blade_of(at_speed, blade)
+        problem = at_speed.contact_problem()
+        rests = corotating.is_corotating(problem)
+        structure = None if rests else blade_of(at_speed, blade)
         try:
-            solutions.append(solution(problem, structure, str(speed)))
+            if structure is None:
+                constant.append((problem, corotating.solution(problem, str(speed))))
+            else:
+                solutions.append(solution(problem, structure, str(speed)))
         except UserError as failure:
             failures += failure.lines
         if progress is not None:
             progress(done, len(given))
-    if not solutions:
+    if constant:
+        data = corotating.dataset(stage, constant, reference)
+    elif solutions:
+        data = _dataset(stage, solutions, reference)
+    else:
         raise UserError(*failures)
-    return _dataset(stage, solutions, reference).assign_attrs(failures="\n".join(failures))
+    return data.assign_attrs(failures="\n".join(failures))
 
 
 def blade_of(stage: Any, blade: int) -> Blade:
@@ -228,6 +244,8 @@ def failures(data: xr.Dataset) -> list[str]:
 def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of `periodic`; multipliers in the document are pairs of
     real and imaginary part, the largest first."""
+    if "normal_force" in data:
+        return corotating.report(data, failures(data))
     rows = []
     for n in range(data.sizes["speed"]):
         one = data.isel(speed=n)

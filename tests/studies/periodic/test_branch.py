@@ -85,17 +85,21 @@ def test_a_branch_begins_with_the_last_period_of_a_run(tmp_path: Path) -> None:
     )
 
 
-def test_the_command_prints_draws_and_resumes(tmp_path: Path) -> None:
-    file, folder = tmp_path / "case.toml", tmp_path / "out"
+def test_the_command_prints_and_draws(tmp_path: Path) -> None:
+    file, folder, over = tmp_path / "case.toml", tmp_path / "out", f"{CLOSURE}=0.0997mm:0.1mm"
     file.write_text(bw.dumps_case(case(**SMALL)))
-    over = f"{CLOSURE}=0.099mm:0.1mm"
     printed = answer("periodic", file, "--over", over, "--points", 1, "-o", folder).stdout
     assert "reaches casing.closure.amount = 0.1 mm" in printed
     assert (folder / "branch.png").exists()
+    assert "already exists" in refusal("periodic", file, "--over", over, "-o", folder)
+
+
+def test_the_command_resumes(tmp_path: Path) -> None:
+    folder = tmp_path / "b"
+    bw.branch(case(**SMALL), CLOSURE, "0.0997 mm", "0.1 mm", points=1, directory=folder)
     document = json.loads(answer("periodic", "--resume", folder, "--json").stdout)
     assert document["points"][-1]["parameter"] == pytest.approx(0.1)
     assert document["points"][0]["kind"] == "none"
-    assert "already exists" in refusal("periodic", file, "--over", over, "-o", folder)
 
 
 @pytest.mark.parametrize(
