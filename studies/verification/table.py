@@ -25,6 +25,7 @@ SUBJECTS = {
     "coating": "Abradable coating",
     "foreshortening": "Blades that draw back",
     "superelement": "Superelements",
+    "periodic": "Periodic rubs",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 
