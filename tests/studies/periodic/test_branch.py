@@ -16,6 +16,7 @@ CLOSURE = "casing.closure.amount"
 SMALL = {"march.speed": "7500 rpm"}  #: a rub without folds
 
 
+@pytest.mark.slow
 def test_a_branch_has_the_motions_of_single_values(tmp_path: Path) -> None:
     folder = tmp_path / "b"
     data = bw.branch(case(**SMALL), CLOSURE, "0.099 mm", "0.1 mm", points=2, directory=folder)
