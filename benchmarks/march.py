@@ -18,7 +18,7 @@ successive timings.
 
 A second table has the times of a step with more and more blades, and the ratio to half as many; a
 third one those of 22 blades with 7 contact nodes each in the ring, with true slip and without, for
-several numbers of nodes in contact; a fourth one those of a wheel with massless contact nodes
+several numbers of nodes in contact; a fourth one those of a wheel of sectors of solids
 with its stiffness at speed, and with Coriolis forces as well, without contact and with contact of
 all blades.
 """
@@ -37,7 +37,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import read_case
+from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load, Start
 from bladewhirl.models.stage.stage import build_stage
@@ -49,9 +51,10 @@ from bladewhirl.studies.runs.prepare import prepare
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "support"))
 from boundary_cases import bladed, casing
 from reference_march import Reference, ReferenceState
+from solid_meshes import STEEL, TIE, bladed_sector
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
-TIME_STEP = 1e-6  # s
+TIME_STEP, SHORT = 1e-6, 2e-7  # s
 RECORD_EVERY = 100
 COMPARED_STEPS = 500
 KERNEL_STEPS, NUMPY_STEPS = 2000, 25
@@ -210,30 +213,46 @@ def node_table(repeat: int) -> Table:
     return table
 
 
-def wheels(changes: list[str], steps: int) -> list[Setting]:
-    """Return a wheel with massless contact nodes, without and with Coriolis forces."""
+def wheels(closing: float) -> list[Setting]:
+    """Return twelve sectors of solids with massless contact nodes, without and with Coriolis
+    forces, after the rigid wall has closed by a distance [m]."""
+    part = mesh3d(
+        bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=3, coriolis=True, stress=False
+    )
     made = []
     with TemporaryDirectory() as folder:
-        file = Path(folder) / "wheel.npz"
-        beams = read_case(EXAMPLES / "imbalance.toml", ["rotation.effects=full"])
-        write_superelement(file, build_stage(beams).to_superelement())
-        wheel = f'bladed_disk={{superelement={{file="{file}",kind="wheel"}}}}'
+        file = Path(folder) / "sector.npz"
+        write_superelement(file, part)
+        table = {"file": str(file), "kind": "sector", "copies": TIE["copies"]}
         for effects in ("centrifugal", "full"):
-            given = [*changes, wheel, f"rotation.effects={effects}"]
-            problem = prepare(read_case(EXAMPLES / "imbalance.toml", given)).problem
-            scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
-            state, _, _ = scheme.advance(scheme.init(), steps)
+            case = case_from(
+                {
+                    "bladed_disk": {"superelement": table},
+                    "reduction": {"free_interface_modes": 6},
+                    "casing": {
+                        "type": "rigid",
+                        "clearance": 1e-4,
+                        "closure": {"table": [[0, 0], [1e-3, closing]]},
+                    },
+                    "damping": {"ratio": 0.1},
+                    "rotation": {"effects": effects},
+                    "march": {"speed": "3000 rpm", "duration": 1.0, "time_step": SHORT},
+                }
+            )
+            problem = prepare(case).problem
+            scheme = CentralDifference(problem, SHORT, RECORD_EVERY)
+            state, _, _ = scheme.advance(scheme.init(), 8000)
             made.append(Setting(name=effects, problem=problem, scheme=scheme, state=state))
     return made
 
 
 def turning_table(repeat: int) -> Table:
     """Return the times of a step of a wheel with rotation effects."""
-    table = Table(title=f"Wheel with massless contact nodes, best of {repeat}")
+    table = Table(title=f"Wheel of sectors of solids, best of {repeat}")
     for column in ("contacts per step", "effects", "kernel [µs]", "ratio"):
         table.add_column(column, justify="left" if column == "effects" else "right")
-    for changes, steps in (["excitation.type=none"], 100), (CLOSING, CLOSED):
-        every = wheels(changes, steps)
+    for closing in (0.9e-4, 1.02e-4):
+        every = wheels(closing)
         times = np.array(
             [[microseconds(one.kernel, KERNEL_STEPS) for one in every] for _ in range(repeat)]
         )

@@ -218,7 +218,10 @@ def _expanded(
 
 
 def _order(waves: Sequence[Arrays], sectors: int) -> IntArray:
-    """Return the positions of all real modes, nodal diameter by nodal diameter, by frequency."""
+    """Return the positions of all real modes, which are nodal diameter by nodal diameter, by
+    frequency; as they are with Coriolis forces, which couple the modes of a nodal diameter."""
+    if "gyroscopic" in waves[0]:
+        return np.arange(sectors * len(waves[0]["squares"]))
     twice = (1 + (0 < 2 * k < sectors) for k in range(len(waves)))
     squares = [np.tile(wave["squares"], times) for wave, times in zip(waves, twice, strict=True)]
     return np.argsort(np.sqrt(np.concatenate(squares)), kind="stable")

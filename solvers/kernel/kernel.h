@@ -99,6 +99,9 @@ typedef struct {
     IntVector by;  /* (rest) column of each entry of `rest` */
     Matrix full;   /* (modes, columns) columns of the matrix of each copy, without symmetry; otherwise
                     * empty */
+    IntVector first; /* (spans) for each 2 LANES entries of a column of `full` and each copy, the
+                      * number of the first column in which they are not all zero */
+    IntVector last;  /* (spans) the number after the last such column */
 } ModalMatrix;
 
 /* Inverse of the matrix A = M / dt^2 + (D + 2 Omega G) / (2 dt) of the rotor, with its dampers
@@ -110,6 +113,8 @@ typedef struct {
                            * rows, and rows from the first row of the group on */
     Matrix full_loss;     /* (entries, columns) the upper triangle for all modes of a copy, if damping
                            * couples columns; otherwise empty */
+    IntVector loss_end;   /* (entries) number of entries of each row of `full_loss` up to the last
+                           * that is not zero */
     Matrix normal;        /* (rows, columns) response to normal forces in the same column, on a
                            * cyclic rotor; otherwise empty */
     Matrix normal_across; /* (rows, columns) response to normal forces in the partner column */

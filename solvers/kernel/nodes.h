@@ -80,7 +80,7 @@ static void push_copy(const March *m, int64_t copy)
     double *new = m->x.new + first;
     modal_forces(m, copy, m->scratch->nodes.force.at);
     if (g)
-        add_full(&g->inverse.full, copy, modes, modal, new, new);
+        add_full(&g->inverse, copy, modes, modal, new, new);
     else
         for (int64_t i = 0; i < modes; i++)
             new[i] += c[first + i] * modal[i];

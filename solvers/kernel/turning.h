@@ -47,7 +47,7 @@ static double full_loss(const Gyroscopic *g, const double *moved)
         int64_t own = n % columns;
         const double *others = moved + n - own; /* the modes of the same copy */
         Lanes by = splat(moved[n]);
-        for (int64_t i = own - own % LANES; i < columns; i += LANES) {
+        for (int64_t i = own - own % LANES; i < g->loss_end.at[n]; i += LANES) {
             Lanes force = mul(by, load(g->full_loss.at + n * columns + i));
             loss = muladd(force, load(others + i), loss);
         }
@@ -90,13 +90,16 @@ static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, do
 }
 
 /* Store `from` + A^-1 f of a copy in `out`, for any rotor; `full` has `modes` rows for each copy. */
-static void add_full(const Matrix *full, int64_t copy, int64_t modes, const double *f,
+static void add_full(const ModalMatrix *matrix, int64_t copy, int64_t modes, const double *f,
                      const double *from, double *out)
 {
-    for (int64_t i = 0; i < full->columns; i += 2 * LANES) {
+    const Matrix *full = &matrix->full;
+    int64_t span = copy * full->columns / (2 * LANES);
+    for (int64_t i = 0; i < full->columns; i += 2 * LANES, span++) {
         Lanes first = load(from + i), second = load(from + i + LANES);
-        const double *row = full->at + copy * modes * full->columns + i;
-        for (int64_t n = 0; n < modes; n++, row += full->columns) {
+        int64_t n = matrix->first.at[span];
+        const double *row = full->at + (copy * modes + n) * full->columns + i;
+        for (; n < matrix->last.at[span]; n++, row += full->columns) {
             Lanes force = splat(f[n]);
             first = muladd(load(row), force, first);
             second = muladd(load(row + LANES), force, second);
@@ -152,7 +155,7 @@ static void add_product(const Rotor *rotor, const ModalMatrix *matrix, int64_t e
     int64_t columns = matrix->full.columns, copies = entries / columns;
     for (int64_t copy = 0; copy < copies; copy++) {
         int64_t at = copy * columns;
-        add_full(&matrix->full, copy, matrix->full.rows / copies, f + at, from + at, out + at);
+        add_full(matrix, copy, matrix->full.rows / copies, f + at, from + at, out + at);
     }
 }
 
@@ -180,7 +183,7 @@ static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64
     if (half == 0) {
         for (int64_t i = 0; i < columns; i += LANES)
             store(forces + i, muladd(slides, load(drag_at + i), load(push_at + i)));
-        add_full(&g->inverse.full, 0, g->inverse.full.rows, forces, x.new, x.new);
+        add_full(&g->inverse, 0, g->inverse.full.rows, forces, x.new, x.new);
     }
     for (int64_t h = 0; h < columns; h += LANES) {
         Lanes push = load(push_at + h), pull = load(push_at + half + h), column = splat(0.0);

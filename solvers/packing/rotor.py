@@ -159,11 +159,14 @@ def pack_gyroscopic(
     normal, normal_across, shear, shear_across = (
         _answers(inverses[0], arrangement, packed) if cyclic else 4 * [aligned((0, lib.LANES))]
     )
+    part = None if like is None else like.inverse
     return Struct(
         "Gyroscopic",
-        inverse=modal_matrix(inverses, arrangement, None if like is None else like.inverse),
+        # Zeros at one speed are not zeros at others.
+        inverse=modal_matrix(inverses, arrangement, part, dense=problem.change is not None),
         loss=loss,
         full_loss=full_loss,
+        loss_end=_ends(full_loss),
         normal=normal,
         normal_across=normal_across,
         shear=shear,
@@ -177,6 +180,8 @@ def modal_matrix(
     matrices: FloatArray,
     arrangement: Arrangement,
     like: Struct | None = None,
+    *,
+    dense: bool = True,
 ) -> Struct:
     """Return a matrix over the modes of the rotor.
 
@@ -184,6 +189,7 @@ def modal_matrix(
         matrices: matrix of each copy, (copies, modes, modes).
         arrangement: arrangement of the rotor modes.
         like: a matrix whose places of entries outside the blocks are kept.
+        dense: whether zeros of a matrix without symmetry are not left out.
     """
     none = np.zeros(0, dtype=np.int64)
     blocks, rest, to, by = aligned(0), aligned(0), none, none
@@ -193,7 +199,29 @@ def modal_matrix(
         blocks, rest, to, by = _blocks(matrices[0], arrangement, places)
     else:
         full = _rows_by_copy(matrices, arrangement)
-    return Struct("ModalMatrix", blocks=blocks, rest=rest, to=to, by=by, full=full)
+    first, last = _spans(full, len(matrices), dense=dense)
+    return Struct(
+        "ModalMatrix", blocks=blocks, rest=rest, to=to, by=by, full=full, first=first, last=last
+    )
+
+
+def _spans(rows: FloatArray, copies: int, *, dense: bool) -> tuple[IntArray, IntArray]:
+    """Return the first row and the end of the rows of each copy in which the columns that the
+    kernel processes together are not all zero, (copies * columns / PAIR,); all rows if `dense`.
+    Modes of one nodal diameter follow one another, so that few rows remain of a wheel."""
+    size, spans = len(rows) // copies, copies * (rows.shape[1] // PAIR)
+    if dense or not size:
+        return np.zeros(spans, dtype=np.int64), np.full(spans, size, dtype=np.int64)
+    entries = rows.reshape(copies, size, -1, PAIR).swapaxes(1, 2).reshape(spans, size, PAIR)
+    used = np.asarray((entries != 0.0).any(axis=2))
+    ends = np.where(used.any(axis=1), size - used[:, ::-1].argmax(axis=1), 0)
+    return used.argmax(axis=1).astype(np.int64), ends.astype(np.int64)
+
+
+def _ends(rows: FloatArray) -> IntArray:
+    """Return the number of entries of each row up to the last that is not zero, (rows,)."""
+    numbers = np.arange(1, rows.shape[1] + 1)
+    return np.asarray((numbers * (rows != 0.0)).max(axis=1, initial=0), dtype=np.int64)
 
 
 def _rows_by_copy(inverses: FloatArray, arrangement: Arrangement) -> FloatArray:
