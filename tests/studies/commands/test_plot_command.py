@@ -19,8 +19,8 @@ def directory(tmp_path: Path) -> Path:
     return made(tmp_path / "run", synthetic.SPEED)
 
 
-OF_OTHERS = {"coating_strain", "contact_displacement"}
-"""Variables of results with a coating, and of superelements."""
+OF_OTHERS = {"coating_strain", "contact_displacement", "rotation_speed"}
+"""Variables of results with a coating, of superelements, and with a speed that varies."""
 
 
 def made(folder: Path, speed: float) -> Path:
