@@ -14,6 +14,7 @@ KINDS = ("fold", "period doubling", "Neimark-Sacker")
 CLOSER = 6  #: factor by which steps shorten in each search for a bifurcation
 SEARCHES = 3  #: number of searches, each with shorter steps
 BEYOND = 3  #: length of a search, relative to the distance of the points
+NEAR = 0.1  #: largest distance from the unit circle of a multiplier that leaves it
 REAL = 1e-9  #: largest relative imaginary part of a real multiplier
 
 
@@ -43,6 +44,8 @@ def found(branch: Continuation, one: Point, other: Point, kinds: set[str]) -> li
             fine = _located(branch, start, end, kind)
         except NotConverged:
             continue
+        if not _crosses(kind, multipliers(fine)):
+            continue
         shift = abs(fine.parameter - coarse.parameter)
         confirmed.append(Bifurcation(kind, fine, shift))
     return confirmed
@@ -52,6 +55,17 @@ def changed(one: Point, other: Point, before: ComplexArray, after: ComplexArray)
     """Return the kinds of bifurcation between two points with their multipliers."""
     both = (_state(one, before), _state(other, after))
     return {kind for kind, a, b in zip(KINDS, *both, strict=True) if a != b}
+
+
+def _crosses(kind: str, values: ComplexArray) -> bool:
+    """Return whether a multiplier is near the unit circle where it leaves it. At a fold with a
+    corner, multipliers jump."""
+    if kind == "fold":
+        return True
+    if kind == "period doubling":
+        return bool(np.abs(values + 1.0).min() < NEAR)
+    pairs = values[np.abs(values.imag) > REAL * np.abs(values)]
+    return bool(len(pairs) and np.abs(np.abs(pairs) - 1.0).min() < NEAR)
 
 
 def _state(point: Point, values: ComplexArray) -> tuple[int, int, int]:

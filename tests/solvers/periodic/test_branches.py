@@ -89,6 +89,15 @@ def test_a_march_loses_the_small_motion_below_the_lower_fold() -> None:
     assert settled(low * 0.998, state, 80)[1] > 1.2
 
 
+def test_a_period_doubling_needs_a_multiplier_at_minus_one() -> None:
+    """On a branch, a pair that meets at -1.5 changes the number of real multipliers too."""
+    branch, start = branch_from(0.95, 1.0)
+    ahead = branch.corrected(start, 0.1)
+    pair, real = np.array([-1.5 + 0.1j, -1.5 - 0.1j]), np.array([-1.6 + 0j, -1.4 + 0j])
+    assert bifurcation.changed(start, ahead, pair, real) == {"period doubling", "Neimark-Sacker"}
+    assert bifurcation.found(branch, start, ahead, {"period doubling", "Neimark-Sacker"}) == []
+
+
 def test_multipliers_without_contact_are_those_of_the_modes() -> None:
     motion = Motion.free(grid(1.3, 64))
     decay = np.exp(-0.5 * DRAG * motion.grid.blade.period)
