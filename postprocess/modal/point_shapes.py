@@ -28,6 +28,8 @@ ZOOM = 1.5  #: factor by which the panels of matplotlib in space are filled bett
 ELEVATION, AZIMUTH = 55.0, -60.0  #: direction of the view [degrees]
 DARKEST = 0.5  #: share of the colour that a surface loses which is seen from its edge
 
+SMOOTH = 8000  #: number of pieces up to which triangles are divided
+
 LARGEST_DOT = 100.0  #: size of a drawn point times the root of the number of points [pt2]
 
 
@@ -163,6 +165,17 @@ def facing_triangles(points: FloatArray, triangles: IntArray) -> tuple[IntArray,
     return triangles[seen], facing[seen]
 
 
+def _divided(corners: FloatArray) -> FloatArray:
+    """Return triangles divided into four until there are enough for smooth colours, those of a
+    triangle one after another; `corners` are places and a value, (triangle, 3, 4)."""
+    while 0 < 4 * len(corners) <= SMOOTH:
+        a, b, c = np.moveaxis(corners, 1, 0)
+        d, e, f = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        parts = [np.stack(part, axis=1) for part in ((a, d, f), (d, b, e), (f, e, c), (d, e, f))]
+        corners = np.stack(parts, axis=1).reshape(-1, *corners.shape[1:])
+    return corners
+
+
 @styled
 def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
     """Draw mode shapes from `point_shapes` side by side: displaced surfaces, coloured by
@@ -187,10 +200,12 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         drawn = rest + DRAWN * reach / size.max() * moved
         if 0 < len(triangles) <= MOST:
             seen, facing = facing_triangles(drawn, triangles)
-            faces = colours(norm(share[seen].mean(axis=1)))
-            faces[:, :3] *= 1.0 - DARKEST * (1.0 - facing[:, None])
+            pieces = _divided(np.column_stack([drawn, share])[seen])
+            faces = colours(norm(pieces[..., 3].mean(axis=1)))
+            light = 1.0 - DARKEST * (1.0 - facing)
+            faces[:, :3] *= np.repeat(light, len(pieces) // len(seen))[:, None]
             look = {"facecolors": faces, "edgecolors": faces, "linewidths": 0.2}  # without seams
-            axes.add_collection3d(Poly3DCollection(drawn[seen], **look))
+            axes.add_collection3d(Poly3DCollection(pieces[..., :3], **look))
         else:
             axes.scatter(*drawn.T, c=colours(norm(share)), s=dot, linewidths=0.0, rasterized=True)
         bounds = [(centre - reach, centre + reach) for centre in middle]

@@ -200,8 +200,10 @@ class Triangles:
         metal = inner
         if self._coated:  # the layer has its thickness at rest, enlarged as the clearance
             metal = stage.inner_radius[number] + stage.factor * self._coated
-        layers = [(metal, metal + stage.wall_thickness[number])]
-        layers += [(inner, metal)] if self._coated else []
+        none = np.full_like(number, -1)  # a coating has values on its inner face only
+        layers = [(metal, metal + stage.wall_thickness[number], np.repeat(number, 4))]
+        if self._coated:
+            layers.append((inner, metal, np.column_stack([number, number, none, none]).ravel()))
 
         def line(radius: Array, axial: float) -> Array:
             return self._placed(stage.wall_edge(radius[:, None] * directions(at), axial), casing)
@@ -210,9 +212,9 @@ class Triangles:
         solids = tuple(
             Placed(
                 tube(line(low, first), line(low, last), line(high, last), line(high, first)),
-                np.repeat(number, 4),
+                stations,
             )
-            for low, high in layers
+            for low, high, stations in layers
         )
         return np.stack([line(inner, first), line(inner, last)], axis=1), number, solids
 
