@@ -78,8 +78,7 @@ class Panel:
         self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=look.FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
         films = len(drawing) > 2 and not sheet
-        moving = films and scene.drawing.total_force.any()
-        self._line = TimeLine(scene) if moving else None
+        self._line = TimeLine(scene) if films else None
         self._numbers = BladeNumbers(scene, blade_starts(dataset), LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
@@ -156,9 +155,10 @@ class TimeLine:
         (self._start, foot), (end, top) = corners
         self._times, self._length = times[[0, -1]], end - self._start
         across = self._start + self._length * share
-        up = foot + (top - foot) * force / force.max()
+        up = foot + (top - foot) * force / (force.max() or 1.0)
         add_line(scene.plotter, np.array([[self._start, foot], [end, foot]]), look.FAINT, 1.0)
-        add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
+        if force.any():
+            add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
         ends = np.array([[self._start, foot], [self._start, top]])
         self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
 

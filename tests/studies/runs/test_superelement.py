@@ -284,7 +284,9 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
         assert [solid.colour for solid in drawing.solids[:2]] == [METAL, None]
         deepest = float(worn["recess"].max())
         assert np.nanmax(drawing.colouring.casing) == pytest.approx(deepest, rel=1e-12)
-        assert 0.0 < coating.values.max() <= deepest
+        assert 0.0 < np.nanmax(coating.values) <= deepest
+        inner = np.isfinite(coating.values.reshape(-1, 4))
+        assert inner.all(axis=0).tolist() == [True, True, False, False]
 
 
 @pytest.mark.slow
