@@ -1,36 +1,12 @@
-"""Oscillators and cases of a twisted blade that periodic motions are computed of."""
+"""Cases of a twisted blade whose periodic motions are computed."""
 
 from typing import Any
 
-import numpy as np
 from places import ROOT
 
 import bladewhirl as bw
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import marched_stage
-from bladewhirl.solvers.periodic.blade import Blade
-
-KAPPA = 25.0
-
-
-def oscillator(speed: float, force: float) -> Blade:
-    """A mass on a spring, of unit frequency, with an elastic massless stop at the distance 1."""
-    return Blade(
-        stiffness=np.ones(1),
-        damping=np.zeros((1, 1)),
-        contact=np.array([[1.0], [0.0], [0.0]]),
-        compliance=np.eye(3) / KAPPA,
-        angle=np.zeros(1),
-        radius=np.ones(1),
-        recess=np.zeros(1),
-        clearance=np.tile([1.0, 0.0], (8, 1)),
-        wall_step=1.0,
-        loads={1: np.array([force + 0j])},
-        speed=speed,
-        friction=0.0,
-        full=False,
-        lobes=1,
-    )
 
 
 def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> ContactProblem:

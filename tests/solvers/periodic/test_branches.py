@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 import scipy.integrate as si
-from periodic_cases import oscillator, twisted_blade
+from periodic_cases import twisted_blade
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.solvers.periodic import bifurcation
@@ -14,6 +14,7 @@ from bladewhirl.solvers.periodic.blade import Blade, Grid, alike, between, compa
 from bladewhirl.solvers.periodic.contact import Motion, active
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.stability import monodromy
+from bladewhirl.studies.verification.periodic import oscillator
 
 DRAG, FORCE, STOP = 0.06, 0.1, 1.0
 """Damping, force and stiffness of the stop of an oscillator of unit mass and frequency."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.optimize as so
 from boundary_cases import bladed
-from periodic_cases import KAPPA, oscillator, twisted_blade
+from periodic_cases import twisted_blade
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
@@ -23,21 +23,22 @@ from bladewhirl.solvers.periodic.contact import (
 )
 from bladewhirl.solvers.periodic.search import periodic_motion
 from bladewhirl.solvers.periodic.stability import monodromy
+from bladewhirl.studies.verification.periodic import STOP, oscillator
 
 
 @pytest.mark.parametrize(("ratio", "expected"), [(1.2, 1.118965), (2.0, 1.319807), (5.0, 1.515945)])
 def test_the_backbone_of_an_oscillator_with_an_elastic_stop(ratio: float, expected: float) -> None:
     """Frequency of free vibration at the amplitude a, from the closed form of its two parts; a
     small force moves it to both sides by the same amount, to first order."""
-    stiff, instants, force = 1.0 + KAPPA, 1024, 1e-3
-    rest = KAPPA / stiff  # of the mass in contact
+    stiff, instants, force = 1.0 + STOP, 1024, 1e-3
+    rest = STOP / stiff  # of the mass in contact
     farthest = rest + np.sqrt((ratio**2 - 1.0) / stiff + (1.0 - rest) ** 2)
 
     def beyond(speed: float, push: float) -> float:
         grid = Grid(oscillator(speed, push), instants)
         time = (grid.time + 0.5 * grid.blade.period) % grid.blade.period - 0.5 * grid.blade.period
         phase = np.clip(np.sqrt(stiff) * time, -np.pi, np.pi)
-        normal = np.maximum(0.0, KAPPA * (rest + (farthest - rest) * np.cos(phase) - 1.0))
+        normal = np.maximum(0.0, STOP * (rest + (farthest - rest) * np.cos(phase) - 1.0))
         motion = solve(Motion(grid, normal[:, None], np.zeros((instants, 1))))
         return float(-grid.modes(motion.force)[0].min()) - ratio
 
