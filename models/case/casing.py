@@ -32,6 +32,9 @@ class Station(Table):
     """Size in the plane of motion [m]."""
 
 
+Place = tuple[Annotated[float, fields.quantity("m", "any")], fields.Length]
+
+
 class SpringSupport(Table):
     """Springs and dampers that connect the wall to the ground at one angle around the ring."""
 
@@ -170,6 +173,13 @@ class Casing(Table):
     tangent of the slope along the axis. The clearance still counts at each contact node along the
     radius; gap, normal force and friction have the directions of the wall. On a flexible casing,
     the radial part of the friction along the slope is left out."""
+    contour: Annotated[
+        tuple[Place, ...], fields.rows('[axial position, radius], as in ["5 mm", "301 mm"]')
+    ] = ()
+    """Contour of a rigid wall under a superelement in place of a slope, rows of [axial position,
+    radius] in ascending order of the position [m]. Each contact node has the slope of the contour
+    at its axial position, by a monotone cubic interpolation between the rows; the clearance counts
+    at each node as with a slope."""
 
     @property
     def clearance_profile(self) -> RingProfile:
@@ -196,6 +206,8 @@ class Casing(Table):
         most = fields.MOST if self.type == "rigid" else self.elements // ELEMENTS_PER_LOBE
         if not abs(self.slope) <= STEEPEST:
             yield Inconsistency("slope", "from -30 to 30 deg")
+        if self.contour:
+            yield from self._contour_faults()
         if self.radius is not None and self.type == "ring":
             expected = (
                 'not allowed with casing.type = "ring", whose radius follows from the tips;'
@@ -251,3 +263,17 @@ class Casing(Table):
                 )
                 yield Inconsistency("stiffened_arcs", expected)
                 break
+
+    def _contour_faults(self) -> Iterator[Inconsistency]:
+        if self.slope:
+            yield Inconsistency("contour", "either a slope or a contour, not both", ("slope",))
+        if self.type == "ring":
+            expected = (
+                'not allowed with casing.type = "ring", which has one slope: give casing.slope'
+            )
+            yield Inconsistency("contour", expected, ("type",))
+        place, radius = np.transpose(self.contour)
+        if len(place) < 2 or np.any(np.diff(place) <= 0.0):
+            yield Inconsistency("contour", "two rows or more, in ascending order of the position")
+        elif np.abs(np.diff(radius) / np.diff(place)).max() > np.tan(STEEPEST):
+            yield Inconsistency("contour", "rows with a slope from -30 to 30 deg between them")

@@ -43,9 +43,10 @@ def superelement_faults(case: Tables) -> Iterator[Inconsistency]:
         if case.casing.radius is not None:
             expected = f"not allowed without {SOURCE}: the radius follows from the tips"
             yield Inconsistency("casing.radius", expected, (SOURCE,))
-        if case.casing.slope:
-            expected = f"0 without {SOURCE}: tips of beams do not move along the axis"
-            yield Inconsistency("casing.slope", expected, (SOURCE,))
+        for key in ("slope", "contour"):
+            if getattr(case.casing, key):
+                expected = f"not allowed without {SOURCE}: tips of beams do not move along the axis"
+                yield Inconsistency(f"casing.{key}", expected, (SOURCE,))
         if case.contact.sliding == "full":
             for key, given in (
                 ("casing.coating", case.casing.coating is not None),

@@ -1,4 +1,5 @@
-"""Contact with a conical wall, whose radius is R(z) = R0 + z tan(slope).
+"""Contact with a wall whose radius varies along the axis: a cone, R(z) = R0 + z tan(slope), or a
+contour, under which each contact node has the slope of its own place.
 
 The outward normal of the wall is e_n = cos(slope) e_r - sin(slope) e_z, and its generator e_s =
 sin(slope) e_r + cos(slope) e_z. The clearance c along the radius counts at each contact node, so
@@ -13,31 +14,67 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.stage.contact_problem import ContactProblem
 
 Rows = TypeVar("Rows", FloatArray, ComplexArray)
 
 
-def in_wall_axes(rows: Rows, slope: float) -> Rows:
+def in_wall_axes(rows: Rows, slope: ArrayLike) -> Rows:
     """Return rows of components along e_r, e_theta and e_z of each contact node as those along e_n,
-    e_theta and e_s, (3 * nodes, ...); a negative slope reverses this."""
-    c, s = np.cos(slope), np.sin(slope)
+    e_theta and e_s, (3 * nodes, ...); a negative slope reverses this.
+
+    Args:
+        rows: components of one node after the other, (3 * nodes, ...).
+        slope: slope of the wall [rad], of all nodes or of each, (nodes,).
+    """
+    each = np.asarray(slope, dtype=np.float64)
+    each = each.reshape(each.shape + (1,) * (rows.ndim - 1 if each.ndim else 0))
+    c, s = np.cos(each), np.sin(each)
     turned = rows.copy()
     turned[0::3] = c * rows[0::3] - s * rows[2::3]
     turned[2::3] = s * rows[0::3] + c * rows[2::3]
     return turned
 
 
-def compliance_in_wall_axes(compliance: FloatArray, slope: float) -> FloatArray:
+def compliance_in_wall_axes(compliance: FloatArray, slope: ArrayLike) -> FloatArray:
     """Return the flexibility of contact nodes in the axes of the wall [m/N], (3c, 3c)."""
     return in_wall_axes(in_wall_axes(compliance, slope).T, slope).T
 
 
-def in_cone(problem: ContactProblem, slope: float) -> ContactProblem:
-    """Return a problem of contact nodes in a cylinder as that in a cone with a slope [rad]."""
-    if slope == 0.0:
+def slopes(casing: Casing, axial: FloatArray) -> float | FloatArray:
+    """Return the slope of a wall [rad]; under a contour that at each axial position [m], in their
+    shape.
+
+    Raises:
+        CaseError: a position is outside the contour.
+    """
+    if not casing.contour:
+        return casing.slope
+    from scipy.interpolate import PchipInterpolator  # long to load
+
+    place, radius = np.transpose(casing.contour)
+    if axial.min() < place[0] or axial.max() > place[-1]:
+        expected = (
+            f"rows from {axial.min():.6g} m to {axial.max():.6g} m at least, between which the"
+            " contact nodes lie"
+        )
+        raise CaseError([Fault(key="casing.contour", value=casing.contour, expected=expected)])
+    return np.asarray(np.arctan(PchipInterpolator(place, radius)(axial, 1)))
+
+
+def in_cone(problem: ContactProblem, slope: float | FloatArray) -> ContactProblem:
+    """Return a problem of contact nodes in a cylinder as that in a cone with a slope [rad], or
+    under a contour with a slope at each contact node of a copy, (nodes,).
+
+    Under a contour the casing has to be rigid, because the radial force on it differs from node to
+    node.
+    """
+    if not np.any(slope):
         return problem
     rotor, casing, closure = problem.rotor, problem.casing, problem.closure
     nodes = rotor.nodes
@@ -45,15 +82,18 @@ def in_cone(problem: ContactProblem, slope: float) -> ContactProblem:
     contact, compliance = in_wall_axes(rotor.contact, slope), nodes.compliance
     if compliance is not None:
         compliance = np.stack([compliance_in_wall_axes(each, slope) for each in compliance])
-    shorter = np.cos(slope)
+    part = np.cos(slope)
+    # One slope is that of the whole wall; slopes that differ are properties of the nodes.
+    shorter, own = (1.0, part) if np.ndim(slope) else (float(part), 1.0)
     along = np.array([shorter, shorter, 1.0, 1.0])  # w, dw/ds, u, du/ds
     return replace(
         problem,
         rotor=replace(
             rotor,
             tip_radial=contact[0::3],
-            tip_recess=shorter * rotor.tip_recess,
-            nodes=replace(nodes, axial=contact[2::3], compliance=compliance),
+            tip_recess=np.tile(np.broadcast_to(part, len(nodes.radius)), rotor.copies)
+            * rotor.tip_recess,
+            nodes=replace(nodes, axial=contact[2::3], compliance=compliance, normal_part=own),
         ),
         casing=replace(
             casing,

@@ -48,6 +48,9 @@ class ContactNodes:
     """Residual flexibility of the tips of each copy [m/N], (copies, 3 * tips, 3 * tips); the first
     three rows belong to tip 0. Tips with this flexibility have no mass. None: tips move with the
     modes only."""
+    normal_part: float | FloatArray = 1.0
+    """Part of radial lengths that is normal to the wall at each tip of a copy, where the slope of
+    the wall varies, (tips,); a slope common to all tips is in the clearance."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +136,13 @@ class ReducedRotor:
             copies=copies,
             nodes=ContactNodes(axial=contact[2::3], radius=radius, compliance=compliance),
         )
+
+    @property
+    def normal_part(self) -> FloatArray:
+        """See `ContactNodes.normal_part`, (all tips,); 1 without contact nodes."""
+        part = 1.0 if self.nodes is None else self.nodes.normal_part
+        of_copy = np.broadcast_to(part, len(self.tip_angle) // self.copies)
+        return np.tile(of_copy, self.copies)
 
     @property
     def stiffness(self) -> FloatArray:
@@ -597,8 +607,9 @@ class ContactProblem:
     coating: WallCoating | NodeCoating | None = None
     """Abradable coating: a `NodeCoating` under `ContactNodes`."""
     foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
-    slope: float = 0.0
-    """Slope of a conical wall [rad], in whose axes contact nodes move, see `cone`."""
+    slope: float | FloatArray = 0.0
+    """Slope of a conical wall [rad], in whose axes contact nodes move, see `cone`; under a contour
+    that of each contact node of a copy, (nodes,)."""
     law: dict[str, float] = field(default_factory=lambda: Contact().law)
     """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
     change: SpeedChange | None = None  #: None for a constant speed
@@ -654,7 +665,8 @@ class ContactProblem:
                 raise ValueError(
                     "the damping matrix of the superelement feeds energy to some motion"
                 )
-        clearance = float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
+        smallest = casing.clearance[:, 0].min() * rotor.normal_part + rotor.tip_recess
+        clearance = float(smallest.min())
         bodies = [(rotor.tip_radial, frequency) for frequency in rotor.by_copy(rotor.frequency)]
         if casing.is_flexible:
             bodies.append((casing.nodal[:, 0], casing.frequency))
@@ -675,7 +687,11 @@ class ContactProblem:
             angle = angle + (around.reshape(rotor.copies, -1) / radius).ravel()
         field = casing.nodal[:, :2] @ start.casing + self.clearance(time)
         surface = around_wall(field, casing.element_length, angle)
-        gap = surface + self.metal_recess - rotor.at_tips(rotor.tip_radial, start.rotor)
+        gap = (
+            rotor.normal_part * surface
+            + self.metal_recess
+            - rotor.at_tips(rotor.tip_radial, start.rotor)
+        )
         if self.foreshortening is not None:
             gap = gap + self.foreshortening.opening(start.rotor)
         return np.asarray(gap)

@@ -166,7 +166,7 @@ def static_response(stage: SuperelementStage) -> tuple[FloatArray, FloatArray]:
     if squares.min() <= rigid_limit(stage.part):
         return np.zeros(0), np.zeros(0)
     # The modes and the residual flexibility together are statically exact.
-    slope = stage.case.casing.slope
+    slope = stage.slope
     rows = in_wall_axes(reduced.contact, slope)
     compliance = compliance_in_wall_axes(reduced.compliance, slope)
     radial, tangential = rows[::3], rows[1::3]

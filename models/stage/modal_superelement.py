@@ -173,7 +173,7 @@ class ModalSuperelement(ModalModel):
 
     @property
     def tips(self) -> dict[int, Tips]:
-        stage, slope = self.stage, self.case.casing.slope
+        stage, slope = self.stage, self.stage.slope
         if UNKNOWN in self.blocks:
             raise UserError(UNEQUAL_SECTORS)
         reduced = stage.reduced
@@ -182,13 +182,14 @@ class ModalSuperelement(ModalModel):
         found, one = {}, self._table.kind == "blade"
         copies = 1 if one else self._table.copies
         own = len(static) // copies
+        slope_of_own = slope[:own] if isinstance(slope, np.ndarray) else slope
         # Displacements of each blade, counter-clockwise from the first, by forces on the first.
         angle = np.mod(stage.angle.reshape(copies, -1)[:, 0] - stage.angle.flat[0], 2.0 * np.pi)
         distance = static.reshape(copies, own, copies, own)[np.argsort(angle), :, 0]
         for k, block in self.blocks.items():
             phases = np.exp(-2j * np.pi * k * np.arange(copies) / copies)
             flexibility = np.tensordot(phases, distance, 1)
-            contact = in_wall_axes(block.contact, slope)[: 3 * own]
+            contact = in_wall_axes(block.contact[: 3 * own], slope_of_own)
             if self._table.kind == "wheel":  # the fields are those of the whole wheel
                 contact = np.sqrt(copies) * contact
             radius = stage.part.contact_radius[:own]

@@ -20,7 +20,7 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.coating import node_coating
-from bladewhirl.models.stage.cone import in_cone
+from bladewhirl.models.stage.cone import in_cone, slopes
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     NodeCoating,
@@ -141,6 +141,11 @@ class SuperelementStage:
         x, y, _ = self.part.points[self.part.triangles.ravel()].T
         return outermost - float(np.hypot(x, y).min())
 
+    @cached_property
+    def slope(self) -> float | FloatArray:
+        """Slope of the wall [rad]; under a contour that at each contact node, (nodes,)."""
+        return slopes(self.case.casing, self.part.contact_position[:, 2])
+
     @property
     def recess(self) -> FloatArray:
         """Radius from which the clearance is measured, minus the radius of each contact node [m],
@@ -196,7 +201,7 @@ class SuperelementStage:
         course = case.march.course(self.reference_frequency)
         if course is not None:
             cylinder = replace(cylinder, change=SpeedChange(course=course))
-        problem = in_cone(cylinder, case.casing.slope)
+        problem = in_cone(cylinder, self.slope)
         self._check_start(problem)
         return problem
 

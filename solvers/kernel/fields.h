@@ -230,7 +230,7 @@ static inline const double *recess_at(const Rotor *rotor, const Closure *closure
     for (int64_t j = 0; j < f->element.size; j++) {
         double share = hermite_value(&closure->share, f->element.at[j], f->hermite.at + j,
                                      f->hermite.columns);
-        f->recess.at[j] = rotor->recess.at[j] - closed * share;
+        f->recess.at[j] = rotor->recess.at[j] - rotor->normal_part.at[j] * closed * share;
     }
     return f->recess.at;
 }

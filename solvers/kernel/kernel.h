@@ -85,6 +85,8 @@ typedef struct {
     Cube w;             /* (3, tips, tips) r c (r + mu s t)^T for s = -1, 0, 1, by column */
     Vector position;    /* (wide) angle of each tip in elements of the casing */
     Vector recess;      /* (wide) gap of each tip at rest minus the clearance [m] */
+    Vector normal_part; /* (wide) part of radial lengths that is normal to the wall at each tip, on
+                         * top of what the clearance contains */
 } Rotor;
 
 /* A matrix over the modes of the rotor. On a cyclic rotor it consists of blocks R and X: from the

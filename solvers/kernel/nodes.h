@@ -148,6 +148,7 @@ static int find_node_gaps(const March *m, const double *recess)
     if (!field_at_tips(nodal_field(casing, &casing->radial, f), f, f->free_gap.at))
         return 0;
     for (int64_t n = 0; n < tips; n++) {
+        f->free_gap.at[n] *= m->stage.rotor->normal_part.at[n];
         f->free_gap.at[n] += recess[n] - f->radial.at[n];
         within &= fabs(f->radial.at[n]) <= m->stage.numbers->displacement_limit; /* 0 for NaN */
     }

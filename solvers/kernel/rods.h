@@ -91,7 +91,8 @@ static void place_rods(const March *m, const Matrix *nodal, int64_t n, double cl
     double here = wall_near(m, nodal, place, closed);
     for (int64_t k = range[0]; k <= range[1]; k++) {
         double middle = nodes * ((double)wrapped(c, k) + 0.5) / (double)c->rods;
-        offset[k - range[0]] = wall_near(m, nodal, middle, closed) - here;
+        offset[k - range[0]] = m->stage.rotor->normal_part.at[n]
+                               * (wall_near(m, nodal, middle, closed) - here);
     }
     r->near.at[n] = 1;
 }

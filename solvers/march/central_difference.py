@@ -344,7 +344,7 @@ class CentralDifference:
             moved = moved + np.einsum("rcj,cij->rci", force, nodes.compliance)
         slope = self._problem.slope
         moved, force = (
-            in_wall_axes(each.reshape(written, -1).T, -slope).T if slope else each
+            in_wall_axes(each.reshape(-1, components).T, -slope).T if np.any(slope) else each
             for each in (moved, force)
         )
         return {

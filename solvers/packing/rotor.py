@@ -118,6 +118,7 @@ def _places(problem: ContactProblem) -> dict[str, FloatArray]:
     return {
         "position": lengthened(angle * elements / (2.0 * np.pi)),
         "recess": lengthened(problem.metal_recess),
+        "normal_part": lengthened(problem.rotor.normal_part),
     }
 
 

@@ -44,6 +44,7 @@ class Blade:
     angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (nodes,)
     radius: FloatArray  #: radius of each contact node [m], (nodes,)
     recess: FloatArray  #: see `ReducedRotor.tip_recess` [m], (nodes,)
+    normal_part: FloatArray  #: see `ContactNodes.normal_part`, (nodes,)
     clearance: FloatArray  #: clearance and its derivative by the arc length [m, 1], (angles, 2)
     wall_step: float  #: arc length between two of these angles [m]
     loads: Mapping[int, ComplexArray]
@@ -87,6 +88,7 @@ class Blade:
             angle=rotor.by_copy(rotor.tip_angle)[copy],
             radius=nodes.radius,
             recess=rotor.by_copy(rotor.tip_recess)[copy],
+            normal_part=rotor.by_copy(rotor.normal_part)[copy],
             clearance=clearance,
             wall_step=problem.casing.element_length,
             loads=loads,
@@ -345,7 +347,8 @@ class Grid:
         """Gaps of the contact nodes at rest [m], (instants, nodes)."""
         blade = self.blade
         angle = blade.angle + blade.speed * self.time[:, None]
-        return np.asarray(around_wall(blade.clearance, blade.wall_step, angle) + blade.recess)
+        wall = around_wall(blade.clearance, blade.wall_step, angle)
+        return np.asarray(blade.normal_part * wall + blade.recess)
 
     @cached_property
     def free_gap(self) -> FloatArray:

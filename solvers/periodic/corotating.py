@@ -81,7 +81,7 @@ def corotating_contact(problem: ContactProblem) -> CorotatingContact:
     )
     free = pushed / rotor.stiffness
     clearance = float(problem.clearance(NEVER)[:, 0].mean())
-    start = clearance + rotor.tip_recess - shapes[0] @ free
+    start = clearance * rotor.normal_part + rotor.tip_recess - shapes[0] @ free
     along = shapes[0] + way * shapes[1]
     matrix = shapes[0] / rotor.stiffness @ along.T
     if rotor.nodes is not None and rotor.nodes.compliance is not None:

@@ -24,6 +24,7 @@ def oscillator(speed: float, force: float, damping: float = 0.0) -> Blade:
         angle=np.zeros(1),
         radius=np.ones(1),
         recess=np.zeros(1),
+        normal_part=np.ones(1),
         clearance=np.tile([1.0, 0.0], (8, 1)),
         wall_step=1.0,
         loads={1: np.array([force + 0j])},

@@ -116,6 +116,83 @@ def test_a_slope_is_limited(tables: dict[str, Any], message: str, tmp_path: Path
         case(block(tmp_path), casing=tables)
 
 
-def test_beams_have_no_cone() -> None:
+STRAIGHT = [["-20 mm", "0.3 m"], ["20 mm", f"{0.3 + 0.04 * np.tan(4 * DEGREES)} m"]]
+
+
+def rubbing(folder: Path, **casing: Any) -> bw.Case:
+    """Two blades in an oval wall that closes."""
+    part = bw.mesh3d(cantilever("hexahedron20", (3, 1, 1)), **STEEL, contacts=3)
+    bw.write_superelement(folder / "blade.npz", part)
+    wall = {
+        "clearance": "50 um",
+        "clearance_lobes": [{"lobes": 2, "amplitude": "30 um"}],
+        "closure": {
+            "table": [[0, 0], ["1 ms", "35 um"]],
+            "lobes": [{"lobes": 2, "amplitude": "5 um"}],
+        },
+    }
+    return case(
+        str(folder / "blade.npz"),
+        bladed_disk={"superelement": {"file": str(folder / "blade.npz"), "copies": 2}},
+        casing=wall | casing,
+        reduction={"free_interface_modes": 8},
+        march={"speed": "1000 rad/s", "time_step": "0.2 us", "duration": "5 ms"},
+    )
+
+
+@pytest.mark.parametrize(
+    "coating",
+    [{}, {"coating": {"thickness": "20 um", "young_modulus": "100 MPa", "yield_stress": "2 MPa"}}],
+)
+def test_a_straight_contour_is_a_cone(coating: dict[str, Any], tmp_path: Path) -> None:
+    """The slope of the nodes instead of that of the wall, with lobes, a closure and a coating."""
+    cone, contour = (
+        march_in_memory(prepare(rubbing(tmp_path, **coating, **wall)))[0]
+        for wall in ({"slope": "4 deg"}, {"contour": STRAIGHT})
+    )
+    assert cone["contact_impulse"].values.max() > 0.0
+    for name in ("contact_force", "contact_displacement", "gap"):
+        size = np.abs(cone[name].values).max()
+        assert contour[name].values == pytest.approx(cone[name].values, abs=1e-7 * size)
+
+
+def test_periodic_contact_under_a_straight_contour_is_that_of_a_cone(tmp_path: Path) -> None:
+    cone, contour = (
+        bw.periodic(rubbing(tmp_path, **wall), speeds=["1000 rad/s"])
+        for wall in ({"slope": "4 deg"}, {"contour": STRAIGHT})
+    )
+    expected = cone["impulse_per_revolution"].values
+    assert expected > 0.0
+    assert contour["impulse_per_revolution"].values == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_node_has_the_slope_of_its_place(tmp_path: Path) -> None:
+    """Between two equal intervals with slopes a and b, the derivative of the monotone cubic
+    is 2 a b / (a + b), F. N. Fritsch and J. Butland (1984)."""
+    rows = [["0 mm", "0.3 m"], ["50 mm", "0.303 m"], ["100 mm", "0.312 m"]]
+    problem = superelement_stage(case(block(tmp_path), casing={"contour": rows})).problem
+    b = np.arctan(2 * 0.06 * 0.18 / (0.06 + 0.18))
+    assert problem.slope == pytest.approx([b], rel=1e-12)
+    assert problem.initial_gap() == pytest.approx([1e-3 * np.cos(b)], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("wall", "message"),
+    [
+        ({"contour": STRAIGHT, "slope": "2 deg"}, "either a slope or a contour"),
+        ({"contour": STRAIGHT, "type": "ring"}, "casing.type = .ring., which has one slope"),
+        ({"contour": STRAIGHT[:1]}, "two rows or more"),
+        ({"contour": STRAIGHT[::-1]}, "in ascending order"),
+        ({"contour": [[0, 0.3], [0.1, 0.4]]}, "from -30 to 30 deg between them"),
+        ({"contour": [[0, 0.3], [0.04, 0.31]]}, "rows from 0.05 m to 0.05 m at least"),
+    ],
+)
+def test_a_contour_covers_the_nodes(wall: dict[str, Any], message: str, tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match=message):
+        _ = superelement_stage(case(block(tmp_path), casing=wall)).problem
+
+
+@pytest.mark.parametrize("key", ["slope", "contour"])
+def test_beams_have_no_cone(key: str) -> None:
     with pytest.raises(CaseError, match="tips of beams do not move along the axis"):
-        bw.case_from({"casing": {"slope": "2 deg"}})
+        bw.case_from({"casing": {"type": "rigid", key: "2 deg" if key == "slope" else STRAIGHT}})

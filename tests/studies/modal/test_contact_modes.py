@@ -60,6 +60,19 @@ def test_superelements_are_in_contact_as_their_beams(kind: str, tmp_path: Path) 
         assert second[name].values == pytest.approx(variable.values, rel=2e-5)
 
 
+@pytest.mark.parametrize("kind", ["sector", "blade", "wheel"])
+def test_modes_touch_a_straight_contour_as_a_cone(kind: str, tmp_path: Path) -> None:
+    disk = BENT | ({"disk_kind": "rigid"} if kind == "blade" else {})
+    nodes = exported(beams(kind, bladed_disk=disk), kind, tmp_path)  # type: ignore[arg-type]
+    contour = [[-0.1, 0.3], [0.1, 0.3 + 0.2 * np.tan(0.05)]]
+    cone, own = (
+        bw.contact_modes(bw.with_values(nodes, {"casing.type": "rigid"} | wall), families=2)
+        for wall in ({"casing.slope": 0.05}, {"casing.contour": contour})
+    )
+    for name, variable in cone.items():
+        assert own[name].values == pytest.approx(variable.values, rel=1e-9)
+
+
 def test_the_command(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(beams("sector", bladed_disk=BENT)), encoding="utf-8")
