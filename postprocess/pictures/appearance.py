@@ -53,11 +53,18 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
     ]
 
 
-def scene_colours(colouring: Colouring, levels: int) -> Array:
-    """Return all colours of a picture (colour, 3), between 0 and 1, with `levels` colours of the
-    colour map."""
+LEVELS, LIT_LEVELS = 90, 56  #: colours of the colour map in a palette, without and with light
+LIGHTS = (1.0, 0.84, 0.68)  #: brightnesses of lit surfaces in a palette
+
+
+def scene_colours(colouring: Colouring, *, lit: bool) -> Array:
+    """Return the colours of a picture (colour, 3), between 0 and 1, as a palette has them; those of
+    the colour map at several brightnesses if surfaces are lit."""
     fixed = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
-    return np.array([to_rgb(colour) for colour in [*fixed, *colouring.colours(levels)]])
+    levels, lights = (LIT_LEVELS, LIGHTS) if lit else (LEVELS, (1.0,))
+    field = np.array([to_rgb(colour) for colour in colouring.colours(levels)])
+    shades = [light * field for light in lights]
+    return np.vstack([[to_rgb(colour) for colour in fixed], *shades])
 
 
 def time_text(time: float, step: float) -> str:
@@ -82,9 +89,6 @@ def speed_text(dataset: xr.Dataset) -> str:
     speed = float(dataset.attrs["speed"])
     relative = speed / float(dataset.attrs["reference_frequency"])
     return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
-
-
-DOTS = "dots: centre and blade 0"  #: meaning of the dots of a picture
 
 
 def enlargement(factor: float) -> str:

@@ -39,9 +39,11 @@ class Shape(NamedTuple):
     surface: Array  #: points, with their distance towards the viewer (point, 3) [m]
     wall: Array  #: both sides of the drawn wall (station, side, 2) [m]
     stations: IntArray  #: number of the station of the wall whose colour is at each drawn station
-    tips: Array  #: contact nodes (contact_node, 2) [m]
-    centre: Array  #: (2,) [m]
-    mark: Array  #: (2,) [m]
+    tips: (
+        Array  #: contact nodes, in space with their distance towards the viewer (node, 2 or 3) [m]
+    )
+    centre: Array  #: likewise (2 or 3,) [m]
+    mark: Array  #: likewise (2 or 3,) [m]
     symbols: Symbols
     solids: tuple[Placed, ...] = ()  #: positions of the solids of the body
 
@@ -178,9 +180,9 @@ class Triangles:
             surface=points,
             wall=edges[..., :2],
             stations=stations,
-            tips=self._placed(stage.contact_nodes(index), rotor)[..., :2],
-            centre=self._placed(np.append(stage.factor * stage.centre[index], 0.0), rotor)[:2],
-            mark=points[self._mark, :2],
+            tips=self._placed(stage.contact_nodes(index), rotor),
+            centre=self._placed(np.append(stage.factor * stage.centre[index], 0.0), rotor),
+            mark=points[self._mark],
             symbols=Symbols(),
             solids=solids,
         )

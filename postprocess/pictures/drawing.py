@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.postprocess.fields import kinematics
@@ -22,8 +23,12 @@ from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, COATING, body_of
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
-from bladewhirl.postprocess.pictures.solids import METAL
+from bladewhirl.postprocess.pictures.solids import METAL, behind
 from bladewhirl.postprocess.pictures.symbols import Symbols
+
+HIDDEN = 0.03
+"""A part hides a point if it is nearer to the viewer by more than this share of the surface's
+size."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +60,11 @@ class Picture:
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn contact nodes (contact_node, 2) [m]
     mark: Array  #: drawn mark on the first blade (2,) [m], which shows the rotation
+    hidden: NDArray[np.bool_]  #: whether each contact node, shaft and mark lie behind a part
     symbols: Symbols  #: springs, supports, masses
-    forces: Array  #: true contact force on each node (contact_node, 2) [N], as seen in the picture
+    forces: Array
+    """True contact force on each node (contact_node, 2) [N], as seen in the picture; zero on hidden
+    nodes."""
     blade_forces: Array  #: size of the contact force on each blade (blade,) [N]
 
 
@@ -161,6 +169,18 @@ class Drawing:
         turns = float(self._rotor_turn[index]), float(self._casing_turn[index])
         shape, colours = self._body.shape(index, *turns), self.colouring
         forces = self._forces[index]
+        spots = np.vstack([shape.tips, shape.centre, shape.mark])
+        hidden = np.zeros(len(spots), dtype=np.bool_)
+        if len(shape.surface):
+            bodies = [(shape.surface, self.triangles)]
+            bodies += [
+                (placed.points, solid.triangles)
+                for solid, placed in zip(self.solids, shape.solids, strict=True)
+            ]
+            corners = [points[triangles] for points, triangles in bodies]
+            hidden = behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
+        seen = self._body.seen(forces)
+        seen[hidden[: len(seen)]] = 0.0
         return Picture(
             time=float(self.times[index]),
             rotor=Ribbon(sides=shape.ribbons, values=colours.rotor[index]),
@@ -175,11 +195,12 @@ class Drawing:
             casing=Ribbon(
                 sides=shape.wall[None], values=colours.casing[index][shape.stations][None]
             ),
-            shaft=shape.centre,
-            tips=shape.tips,
-            mark=shape.mark,
+            shaft=shape.centre[:2],
+            tips=shape.tips[:, :2],
+            mark=shape.mark[:2],
+            hidden=hidden,
             symbols=shape.symbols,
-            forces=self._body.seen(forces),
+            forces=seen,
             blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0),
         )
 
@@ -188,15 +209,16 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
     """Return outlines (blade, 7, 2) of arrows that end on the tips and point along the forces.
 
     Corners 0, 1, 5 and 6 belong to the shaft of the arrow, corners 2, 3 and 4 to its head, which is
-    up to five widths long. The arrow of a blade without contact has zero size.
+    five widths long; a shorter arrow is a smaller head. The arrow of a blade without contact has
+    zero size.
     """
     ahead = unit(forces)
     aside = rotate(ahead, np.pi / 2)
     length = length_per_newton * np.linalg.norm(forces, axis=1)
     head = np.minimum(5 * width, length)
     back = np.stack([length, head, head, 0 * head, head, head, length], axis=1)
-    side = np.array([0.5, 0.5, 1.6, 0.0, -1.6, -0.5, -0.5]) * width
-    outline = tips[:, None] - back[..., None] * ahead[:, None] + side[:, None] * aside[:, None]
+    side = np.array([0.5, 0.5, 1.6, 0.0, -1.6, -0.5, -0.5]) * head[:, None] / 5
+    outline = tips[:, None] - back[..., None] * ahead[:, None] + side[..., None] * aside[:, None]
     return np.asarray(outline)
 
 

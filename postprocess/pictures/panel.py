@@ -13,17 +13,19 @@ from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
-from bladewhirl.postprocess.pictures.drawing import Picture
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
 #: upper edges of the texts, relative to the height of the window
 TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
 #: upper and lower edge of the colour scale or of the key of colours, relative to the window
-SCALE_TOP, SCALE_FOOT = 0.455, 0.05
+SCALE_TOP, SCALE_FOOT = 0.455, 0.085
 ORBIT_SIZE = 0.17  #: size of the inset with the orbit, relative to the window
 LINE = (0.77, 0.98, 0.01, 0.036)  #: left, right, lower, upper edge of the time line, likewise
+LINE_TOP = 0.062  #: upper edge of its text
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
+BAR_FOOT, BAR_STEP = 0.044, 0.0205  #: lower edge of the text of the scale bar, and height of a line
 #: radius and sideways offset of a blade number, relative to the tip radius
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
 LETTERS = 2.4  #: size of blade numbers in a sheet, relative to their size in a single picture
@@ -61,8 +63,8 @@ class Panel:
         if sheet:
             shown.append(f"bars: {bar}")
         else:
-            shown += [look.DOTS] if drawing.around else []
-            write(scene.plotter, bar, 0.085, 11, indent=-look.SQUARE)
+            shown += _dots(drawing)
+            write_bar(scene, bar)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
         self._touches = "contact_impulse" in dataset  # not in a mode
@@ -161,6 +163,9 @@ class TimeLine:
             add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
         ends = np.array([[self._start, foot], [self._start, top]])
         self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
+        until = f"{1e3 * times[0]:.4g} to {1e3 * times[-1]:.4g} ms"
+        largest = f", largest {handy(float(force.max()), 'N', 3)}" if force.any() else ""
+        write(scene.plotter, f"force, {until}{largest}", LINE_TOP, 10, color=look.FAINT)
 
     def show(self, time: float) -> None:
         """Move the mark to a time [s]."""
@@ -179,13 +184,19 @@ def add_line(plotter: pyvista.Plotter, line: Array, colour: str, width: float) -
 
 
 class BladeNumbers:
-    """Numbers next to several blades; with many blades only every second, fifth or tenth number."""
+    """Numbers next to several blades; with many blades only every second, fifth or tenth number.
 
-    def __init__(self, scene: StageScene, tips: IntArray, letters: float = 1.0) -> None:
+    Args:
+        scene: the stage.
+        first: number of the first contact node of each blade, (blades,).
+        letters: size of the numbers, relative to that in a single picture.
+    """
+
+    def __init__(self, scene: StageScene, first: IntArray, letters: float = 1.0) -> None:
         steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-        stride = next(step for step in steps if letters * len(tips) <= 25 * step)
-        blades = np.arange(0, len(tips), stride) if len(tips) > 1 else np.zeros(0, np.int64)
-        self._tips, self._size = tips[blades], scene.size
+        stride = next(step for step in steps if letters * len(first) <= 25 * step)
+        blades = np.arange(0, len(first), stride) if len(first) > 1 else np.zeros(0, np.int64)
+        self._first, self._size, self._blades = first, scene.size, blades
         self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
         self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
         self._actors = [
@@ -200,12 +211,28 @@ class BladeNumbers:
 
     def show(self, picture: Picture) -> None:
         """Move the numbers to their blades."""
-        span = picture.tips[self._tips] - picture.shaft
+        # The first tip that is seen, of each blade.
+        seen = ~picture.hidden[: len(picture.tips)]
+        number = np.where(seen, np.arange(len(seen)), len(seen))
+        nearest = np.minimum.reduceat(number, self._first)[self._blades]
+        shown = nearest < len(seen)
+        span = picture.tips[np.where(shown, nearest, 0)] - picture.shaft
         aside = rotate(unit(span), np.pi / 2)
         apart = NUMBER_ASIDE * min(np.abs(span).max(initial=0.0), self._size) * aside
         beside = picture.shaft + NUMBER_PLACE * span + apart
-        for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
+        places = self._pixels * (beside - self._corner)
+        for actor, place, visible in zip(self._actors, places, shown, strict=True):
             actor.SetPosition(*place)
+            actor.visibility = bool(visible)
+
+
+def _dots(drawing: Drawing) -> list[str]:
+    """Return the meaning of the dots that are seen; in a film the first blade turns into view."""
+    if not drawing.around:
+        return []
+    centre, blade = drawing.picture(0).hidden[-2:]
+    seen = ["centre"] * (not centre) + ["blade 0"] * (not blade or len(drawing) > 1)
+    return [f"dots: {' and '.join(seen)}"] if seen else []
 
 
 def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
@@ -220,7 +247,15 @@ def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
     factor = scene.drawing.exaggeration
     if factor != 1:
         words += f"\nof {enlarged}: {handy(length / factor, 'm', 3)}"
+    if scene.metres_per_newton:
+        words += f"\nof arrows: {handy(length / scene.metres_per_newton, 'N', 3)}"
     return words
+
+
+def write_bar(scene: StageScene, text: str) -> None:
+    """Write the text of the scale bar above it."""
+    top = BAR_FOOT + BAR_STEP * len(text.splitlines())
+    write(scene.plotter, text, top, 11, indent=-look.SQUARE)
 
 
 def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:

@@ -115,7 +115,8 @@ def render_still(
     drawing = Drawing(dataset, np.array([record]), **view)
     trail = _revolution_before(dataset, record) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture:
-        return films.write_pictures(target, picture, 1, scene_colours(drawing.colouring, 90))
+        colours = scene_colours(drawing.colouring, lit=bool(drawing.solids))
+        return films.write_pictures(target, picture, 1, colours)
 
 
 def render_animation(
@@ -146,10 +147,9 @@ def render_animation(
     note = f"slowed down {slower:{',.0f' if slower > 999 else '.3g'}} times" if slower > 1 else ""
     trail = np.arange(records.min(), records.max() + 1) if orbit else None
     size = size or (GIF_WINDOW if target.suffix.lower() == ".gif" else WINDOW)
+    colours = scene_colours(drawing.colouring, lit=bool(drawing.solids))
     with stage_view(dataset, drawing, size, note, trail=trail) as picture:
-        return films.write_pictures(
-            target, picture, len(records), scene_colours(drawing.colouring, 90), progress
-        )
+        return films.write_pictures(target, picture, len(records), colours, progress)
 
 
 def render_sheet(

@@ -3,25 +3,34 @@
 The graphical objects are created once; for another record their points and colours are changed.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import pyvista
 
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
-from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
-from bladewhirl.postprocess.pictures.solids import sharp_edges
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Surface, arrows, widened
+from bladewhirl.postprocess.pictures.solids import normals, sharp_edges, smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32
 FRONT = 1.5  #: layer before which the layers of ribbons lie, and after which all others lie
 DEPTH = 2.0  #: distance of these layers from the middle of surfaces, relative to the stage
-AMBIENT, DIFFUSE = (
-    0.36,
-    0.66,
-)  #: parts of the light on surfaces: from all directions, and from lamps
+AMBIENT, DIFFUSE = 0.5, 0.54
+"""Parts of the light on surfaces: from all directions, and from lamps."""
 EDGE_OFFSET = 8.0  #: distance of edges in front of their surface [units of the depth buffer]
 CIRCLE = directions(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS)
+
+
+class Body(NamedTuple):
+    """Drawn surface of triangles."""
+
+    mesh: pyvista.PolyData
+    origin: IntArray  #: point of the picture at each point of the mesh
+    triangles: IntArray  #: points of the mesh of each triangle (triangle, 3)
+    edges: pyvista.PolyData  #: its sharp edges, with all points of the picture
 
 
 class StageScene:
@@ -40,18 +49,18 @@ class StageScene:
         self.size = max(stage, contact / (1 - look.LONGEST_ARROW))  # arrows end on the tips
         force = drawing.largest_force
         marks = marks and drawing.around
-        self._metres_per_newton = look.LONGEST_ARROW * self.size / force if force else 0.0
+        self.metres_per_newton = look.LONGEST_ARROW * self.size / force if force else 0.0
+        """Length of arrows."""
         first = drawing.picture(0)
-        surface = first.surface.points
-        self._depth = DEPTH * self.size if len(surface) else 0.0
-        self._surface = self._add(len(surface), drawing.triangles, layer=None)
-        bodies = [(surface, drawing.triangles)]
-        self._solids = []
-        for solid, placed in zip(drawing.solids, first.solids, strict=True):
-            mesh = self._add(len(placed.points), solid.triangles, layer=None, color=solid.colour)
-            self._solids.append(mesh)
-            bodies.append((placed.points, solid.triangles))
-        self._edges_of = [self._add_edges(*body) for body in bodies]
+        self._depth = DEPTH * self.size if len(first.surface.points) else 0.0
+        self._bodies: list[Body] = []
+        if len(first.surface.points):
+            bodies: list[tuple[Surface, IntArray, str | None]] = [
+                (first.surface, drawing.triangles, None)
+            ]
+            for solid, placed in zip(drawing.solids, first.solids, strict=True):
+                bodies.append((placed, solid.triangles, solid.colour))
+            self._bodies = [self._add_body(*body) for body in bodies]
         self._outlines, self._ribbons = [], []
         for ribbon, flat in ((first.casing, not drawing.solids), (first.rotor, True)):
             lines, stations = ribbon.values.shape[:2]
@@ -118,27 +127,31 @@ class StageScene:
             middle = sides.mean(axis=2)
             _move(mesh, np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2))
             self._colour(mesh, np.repeat(ribbon.values, 2, axis=-1))
-        meshes, surfaces = (self._surface, *self._solids), (picture.surface, *picture.solids)
-        for mesh, edges, seen in zip(meshes, self._edges_of, surfaces, strict=True):
-            mesh.points[:] = edges.points[:] = seen.points
+        for (mesh, origin, triangles, edges), seen in zip(
+            self._bodies, (picture.surface, *picture.solids), strict=False
+        ):
+            edges.points[:] = seen.points
+            mesh.points[:] = seen.points[origin]
+            mesh.point_data["Normals"][:] = normals(mesh.points, triangles)
             if "value" in mesh.point_data:
-                self._colour(mesh, seen.values)
+                self._colour(mesh, seen.values[origin])
         for name, width, _, strokes in look.strokes_of(picture.symbols):
             _move(self._edges[name], stroke_corners(strokes, (width + 2 * look.EDGE) * self.size))
             _move(self._strokes[name], stroke_corners(strokes, width * self.size))
         for mesh, share in zip(self._masses, (MASS + look.OUTLINE, MASS), strict=True):
             _move(mesh, picture.symbols.masses[:, None] + share * circle)
+        shaft, mark = ~picture.hidden[-2:]
         for mesh, middle, share in (
-            (self._hub_rim, picture.shaft, look.HUB + look.RIM),
-            (self._hub, picture.shaft, look.HUB),
-            (self._mark_rim, picture.mark, look.MARK + look.RIM),
-            (self._mark, picture.mark, look.MARK),
+            (self._hub_rim, picture.shaft, shaft * (look.HUB + look.RIM)),
+            (self._hub, picture.shaft, shaft * look.HUB),
+            (self._mark_rim, picture.mark, mark * (look.MARK + look.RIM)),
+            (self._mark, picture.mark, mark * look.MARK),
         ):
             _move(mesh, middle + share * circle)
         touching = np.any(picture.forces, axis=1)[:, None, None]
         _move(self._discs, picture.tips[:, None] + look.CONTACT_DISC * touching * circle)
         width = look.ARROW_WIDTH * self.size
-        _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
+        _move(self._arrows, arrows(picture.tips, picture.forces, self.metres_per_newton, width))
 
     def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
         """Add outlined discs at points (dot, 2) [m]; `size` is a radius, relative to the stage."""
@@ -184,8 +197,8 @@ class StageScene:
         color: str | None = None,
         shown: bool = True,
     ) -> pyvista.PolyData:
-        """Add a mesh of polygons without lighting in a layer, or a lit surface if `layer` is None;
-        coloured by the field if `color` is None."""
+        """Add a mesh of polygons without lighting in a layer, or a smooth lit surface if `layer` is
+        None; coloured by the field if `color` is None."""
         space = np.zeros((points, 3))
         if layer is not None:
             space[:, 2] = 1e-3 * layer * self.size + np.copysign(self._depth, layer - FRONT)
@@ -211,18 +224,26 @@ class StageScene:
         )
         if color is None:
             self.colours = actor.mapper
+        if layer is None:
+            mesh.point_data.active_normals = np.zeros((points, 3))
+            actor.prop.interpolation = "Phong"
         return mesh
+
+    def _add_body(self, surface: Surface, triangles: IntArray, colour: str | None) -> Body:
+        """Add a lit surface of triangles, and its sharp edges as lines."""
+        smooth, origin = smooth_parts(surface.points, triangles)
+        mesh = self._add(len(origin), smooth, layer=None, color=colour)
+        return Body(mesh, origin, smooth, self._add_edges(surface.points, triangles))
 
     def _add_edges(self, points: Array, triangles: IntArray) -> pyvista.PolyData:
         """Add the sharp edges of a surface of triangles as lines; return the mesh of all points."""
         mesh = pyvista.PolyData(points.copy())
-        if len(points):
-            edges = sharp_edges(points, triangles)
-            mesh.lines = np.insert(edges, 0, 2, axis=1).ravel()
-            mesh.verts = np.zeros(0, np.int64)
-            actor = self.plotter.add_mesh(mesh, color=look.INK, line_width=look.EDGE_WIDTH)
-            actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
-            actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -EDGE_OFFSET)
+        edges = sharp_edges(points, triangles)
+        mesh.lines = np.insert(edges, 0, 2, axis=1).ravel()
+        mesh.verts = np.zeros(0, np.int64)
+        actor = self.plotter.add_mesh(mesh, color=look.INK, line_width=look.EDGE_WIDTH)
+        actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -EDGE_OFFSET)
         return mesh
 
     def _colour(self, mesh: pyvista.PolyData, values: Array) -> None:

@@ -1,10 +1,13 @@
 """Solids in space around a surface of triangles: the wall, its coating, and a hub."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pyvista
 import xarray as xr
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from bladewhirl.meshes.plane import directions, unit
@@ -15,9 +18,7 @@ HUB_STATIONS = 96
 METAL = "#b4bbc3"  #: colour of a hub
 HUB_DEPTH = 0.2  #: radial thickness of a hub, relative to its radius
 SAME = 1e-6  #: largest distance of points of two sectors that are one node, by their radius
-SHARP = np.cos(
-    np.radians(35.0)
-)  #: cosine of the angle between triangles from which an edge is drawn
+SHARP = 35.0  #: angle between triangles from which an edge is drawn [deg]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,12 +84,76 @@ def hub_of(dataset: xr.Dataset, points: Array, least: float) -> Array | None:
     return tube(*(np.column_stack([r * circle, np.full(len(circle), z)]) for r, z in sides))
 
 
+def joined(points: Array, triangles: IntArray) -> IntArray:
+    """Return triangles whose points at one place are one point (triangle, 3)."""
+    near = np.round(points / (SAME * np.ptp(points)))
+    _, first, number = np.unique(near, axis=0, return_index=True, return_inverse=True)
+    return np.asarray(first[number.ravel()][triangles])
+
+
+def smooth_parts(points: Array, triangles: IntArray) -> tuple[IntArray, IntArray]:
+    """Split a surface of triangles at its sharp edges into smooth parts.
+
+    Returns:
+        points of each triangle (triangle, 3), counter-clockwise as seen from outside, where a point
+        belongs to one smooth part; the original point of each of these points (point,).
+    """
+    mesh = pyvista.PolyData.from_regular_faces(points, joined(points, triangles))
+    mesh.point_data["origin"] = np.arange(len(points))
+    parts = mesh.compute_normals(
+        cell_normals=False,
+        split_vertices=True,
+        feature_angle=SHARP,
+        consistent_normals=True,
+        auto_orient_normals=True,
+    )
+    return np.asarray(parts.regular_faces), np.asarray(parts.point_data["origin"])
+
+
+def normals(points: Array, triangles: IntArray) -> Array:
+    """Return the mean of the normals of the triangles at each point (point, 3), weighted by their
+    areas."""
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    of_triangle = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    corners = triangles.ravel()
+    sums = [np.bincount(corners, part, minlength=len(points)) for part in of_triangle.T]
+    return unit(np.stack(sums, axis=-1))
+
+
+def behind(points: Array, surfaces: Iterable[Array], margin: float) -> NDArray[np.bool_]:
+    """Return whether points (point, 3) [m], the last coordinate towards the viewer, lie behind
+    triangles.
+
+    Args:
+        points: places.
+        surfaces: corners of the triangles of each surface (triangle, corner, 3) [m].
+        margin: a triangle hides a point if it is nearer to the viewer by more [m].
+    """
+    hidden = np.zeros(len(points), dtype=np.bool_)
+    for corners in surfaces:
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        for number, point in enumerate(points):
+            over = np.all((low[:, :2] <= point[:2]) & (point[:2] <= high[:, :2]), axis=1)
+            a, b, c = np.moveaxis(corners[over & (high[:, 2] > point[2] + margin)], 1, 0)
+            along, across, to = (b - a)[:, :2], (c - a)[:, :2], point[:2] - a[:, :2]
+            area = _cross(along, across)
+            area = np.where(area == 0.0, np.nan, area)  # seen from its edge
+            share, other = _cross(to, across) / area, _cross(along, to) / area
+            depth = a[:, 2] + share * (b - a)[:, 2] + other * (c - a)[:, 2]
+            inside = (share >= 0.0) & (other >= 0.0) & (share + other <= 1.0)
+            hidden[number] |= np.any(inside & (depth > point[2] + margin))
+    return hidden
+
+
+def _cross(first: Array, second: Array) -> Array:
+    """Return the products x1 y2 - y1 x2 of vectors in the plane (..., 2)."""
+    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
+
+
 def sharp_edges(points: Array, triangles: IntArray) -> IntArray:
     """Return the end points (edge, 2) of the edges at which a surface of triangles is bent, or
     ends. Points at one place count as one."""
-    near = np.round(points / (SAME * np.ptp(points)))
-    _, first, number = np.unique(near, axis=0, return_index=True, return_inverse=True)
-    triangles = first[number.ravel()][triangles]
+    triangles = joined(points, triangles)
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     normal = unit(np.cross(b - a, c - a))
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
@@ -96,5 +161,5 @@ def sharp_edges(points: Array, triangles: IntArray) -> IntArray:
     total = np.zeros((len(edges), 3))
     np.add.at(total, which.ravel(), np.repeat(normal, 3, axis=0))
     # Two unit normals with the cosine c between them have a sum of the squared length 2 + 2 c.
-    bent = np.sum(total**2, axis=1) < 2.0 + 2.0 * SHARP
+    bent = np.sum(total**2, axis=1) < 2.0 + 2.0 * np.cos(np.radians(SHARP))
     return np.asarray(edges[(count == 1) | ((count == 2) & bent)])

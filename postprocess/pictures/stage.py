@@ -16,7 +16,7 @@ from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.result import stage_dataset
-from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE
+from bladewhirl.postprocess.pictures.appearance import FAINT
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
@@ -82,7 +82,7 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
 
     plotter, drawing = scene.plotter, scene.drawing
     panel.write_title(plotter, dataset)
-    panel.write(plotter, panel.draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
+    panel.write_bar(scene, panel.draw_scale_bar(scene, "clearance"))
     panel.write(plotter, _sizes(dataset), 0.885, 13)
     sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]
     dots = dict(zip(sets, SET_COLOURS, strict=False))

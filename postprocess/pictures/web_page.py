@@ -22,6 +22,7 @@ from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon, arrows
 from bladewhirl.postprocess.pictures.films import Progress
+from bladewhirl.postprocess.pictures.solids import smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 
@@ -79,7 +80,7 @@ def render_page(
         faint=look.FAINT,
         force=look.FORCE_COLOUR,
         about=about,
-        triangles=_packed(_triangles(drawing).astype("<i4")),
+        triangles=_packed(np.stack(_triangles(drawing)).astype("<i4")),
         places=_packed(places),
         shades=_packed(shades),
     )
@@ -110,14 +111,24 @@ def _pack(
     return scaled.astype("<i2"), np.array(shades), layout
 
 
-def _triangles(drawing: Drawing) -> IntArray:
-    """Return the points of each triangle of the surface and of the solids (triangle, 3)."""
-    picture, faces = drawing.picture(0), [drawing.triangles]
-    first = len(picture.surface.points)
+def _triangles(drawing: Drawing) -> tuple[IntArray, IntArray]:
+    """Return the points of each triangle of the surface and of the solids, counter-clockwise as
+    seen from outside, and the number of the corner in a smooth part, which has its own normal,
+    (triangle, 3) each."""
+    picture = drawing.picture(0)
+    if not len(picture.surface.points):
+        return drawing.triangles, drawing.triangles
+    bodies = [(picture.surface.points, drawing.triangles)]
     for solid, placed in zip(drawing.solids, picture.solids, strict=True):
-        faces.append(first + solid.triangles)
-        first += len(placed.points)
-    return np.concatenate(faces)
+        bodies.append((placed.points, solid.triangles))
+    faces, parts, point, part = [], [], 0, 0
+    for points, triangles in bodies:
+        smooth, origin = smooth_parts(points, triangles)
+        faces.append(point + origin[smooth])
+        parts.append(part + smooth)
+        point += len(points)
+        part += len(origin)
+    return np.concatenate(faces), np.concatenate(parts)
 
 
 def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
