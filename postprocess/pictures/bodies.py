@@ -55,6 +55,7 @@ class Body(Protocol):
     triangles: IntArray  #: points of each triangle of the surface (triangle, 3)
     largest_bend: float  #: largest displacement of the rotor relative to its centre [m]
     solids: tuple[Solid, ...]  #: wall, coating and hub in space; the wall is a ribbon if none
+    walls: int  #: number of the first solids that are wall and coating
 
     @property
     def stage(self) -> EnlargedWall:
@@ -75,6 +76,7 @@ class Beams:
         self, dataset: xr.Dataset, records: IntArray, factor: float | None, per_element: int
     ) -> None:
         self.solids: tuple[Solid, ...] = ()
+        self.walls = 0
         self.stage = stage = EnlargedStage(
             dataset, records, factor=factor, per_line=BEAM_STATIONS, per_element=per_element
         )
@@ -166,6 +168,7 @@ class Triangles:
             *([Solid(triangles=wall.triangles, colour=COATING)] if self._coated else []),
             *([] if self._hub is None else [HUB]),
         )
+        self.walls = len(self.solids) - (self._hub is not None)
         self.nodes = self._placed(stage.nodes, 0.0)[..., :2]
 
     def shape(self, index: int, rotor: float, casing: float) -> Shape:

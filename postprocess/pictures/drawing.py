@@ -172,11 +172,10 @@ class Drawing:
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
         hidden = np.zeros(len(spots), dtype=np.bool_)
         if len(shape.surface):
+            # The wall is cut open in front of the tips, whose nodes lie at its inner face.
             bodies = [(shape.surface, self.triangles)]
-            bodies += [
-                (placed.points, solid.triangles)
-                for solid, placed in zip(self.solids, shape.solids, strict=True)
-            ]
+            if len(shape.solids) > self._body.walls:
+                bodies.append((shape.solids[-1].points, self.solids[-1].triangles))
             corners = [points[triangles] for points, triangles in bodies]
             hidden = behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
         seen = self._body.seen(forces)

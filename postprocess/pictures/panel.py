@@ -163,9 +163,10 @@ class TimeLine:
             add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
         ends = np.array([[self._start, foot], [self._start, top]])
         self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
-        until = f"{1e3 * times[0]:.4g} to {1e3 * times[-1]:.4g} ms"
-        largest = f", largest {handy(float(force.max()), 'N', 3)}" if force.any() else ""
-        write(scene.plotter, f"force, {until}{largest}", LINE_TOP, 10, color=look.FAINT)
+        text = f"{1e3 * times[0]:.4g} to {1e3 * times[-1]:.4g} ms"
+        if force.any():
+            text = f"force, {text}, largest {handy(float(force.max()), 'N', 3)}"
+        write(scene.plotter, text, LINE_TOP, 10, color=look.FAINT)
 
     def show(self, time: float) -> None:
         """Move the mark to a time [s]."""
