@@ -227,6 +227,7 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         aspect=20,
         ticks=[0.0, 0.5, 1.0],
     )
-    shown = f"Modes of the bladed disk, rotating frame; rotation is {data.attrs['rotation']}"
+    shown = f"Modes, rotating frame; rotation is {data.attrs['rotation']}"
+    shown += "; deflections are not to scale"
     complete(figure, data, shown)
     return figure

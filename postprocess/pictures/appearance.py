@@ -91,6 +91,24 @@ def speed_text(dataset: xr.Dataset) -> str:
     return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
 
 
+def bar_text(length: float, enlarged: str, factor: float, metres_per_newton: float) -> str:
+    """Return the lines next to a scale bar: its length [m], and the true size of the `enlarged`
+    quantities and of the forces that are drawn as long as the bar.
+
+    Args:
+        length: length of the bar [m].
+        enlarged: quantities that are drawn larger.
+        factor: their factor.
+        metres_per_newton: length of the arrow of a force; 0 without arrows.
+    """
+    lines = [handy(length, "m", 4)]
+    if factor != 1:
+        lines.append(f"of {enlarged}: {handy(length / factor, 'm', 3)}")
+    if metres_per_newton:
+        lines.append(f"of arrows: {handy(length / metres_per_newton, 'N', 3)}")
+    return "\n".join(lines)
+
+
 def enlargement(factor: float) -> str:
     """Return the text that states the `factor` of displacement and clearance."""
     if factor == 1:

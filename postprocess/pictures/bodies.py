@@ -18,7 +18,7 @@ BEAM_STATIONS = 6  #: number of straight pieces of a beam
 RING_STATIONS = 720  #: smallest number of straight pieces of the casing
 MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
 
-TOWARDS = {"oblique": (0.42, -0.5, 0.75), "axial": (0.0, 0.0, 1.0), "side": (0.15, -1.0, 0.25)}
+TOWARDS = {"oblique": (0.42, -0.5, 0.75), "axial": (0.0, 0.0, 1.0), "side": (0.2, -0.85, 0.45)}
 """Direction from surfaces around the axis to the viewer."""
 OPEN = 0.3
 """The wall is cut open where the cosine between its normal and the direction to the viewer is

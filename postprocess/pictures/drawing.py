@@ -141,6 +141,16 @@ class Drawing:
         """Sum of the sizes of the contact forces on all contact nodes, (record,) [N]."""
         return np.asarray(np.linalg.norm(self._forces, axis=-1).sum(axis=1))
 
+    @property
+    def dots(self) -> list[str]:
+        """Text with the meaning of the dots that are seen, if any; in a film the first blade turns
+        into view."""
+        if not self.around:
+            return []
+        centre, blade = self.picture(0).hidden[-2:]
+        seen = ["centre"] * (not centre) + ["blade 0"] * (not blade or len(self) > 1)
+        return [f"dots: {' and '.join(seen)}"] if seen else []
+
     def linear_limit(self) -> float | None:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
         displacements at these records are smaller."""
@@ -171,7 +181,7 @@ class Drawing:
         forces = self._forces[index]
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
         hidden = np.zeros(len(spots), dtype=np.bool_)
-        if len(shape.surface):
+        if len(shape.surface) and self.around:
             # The wall is cut open in front of the tips, whose nodes lie at its inner face.
             bodies = [(shape.surface, self.triangles)]
             if len(shape.solids) > self._body.walls:

@@ -13,7 +13,7 @@ from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
-from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
+from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
@@ -63,7 +63,7 @@ class Panel:
         if sheet:
             shown.append(f"bars: {bar}")
         else:
-            shown += _dots(drawing)
+            shown += drawing.dots
             write_bar(scene, bar)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
@@ -227,15 +227,6 @@ class BladeNumbers:
             actor.visibility = bool(visible)
 
 
-def _dots(drawing: Drawing) -> list[str]:
-    """Return the meaning of the dots that are seen; in a film the first blade turns into view."""
-    if not drawing.around:
-        return []
-    centre, blade = drawing.picture(0).hidden[-2:]
-    seen = ["centre"] * (not centre) + ["blade 0"] * (not blade or len(drawing) > 1)
-    return [f"dots: {' and '.join(seen)}"] if seen else []
-
-
 def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
     """Draw a scale bar in the lower left corner; return its text: the length of the bar, and the
     true size of the `enlarged` quantities that are drawn as long as the bar."""
@@ -244,13 +235,8 @@ def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
     start, end, up = np.array([left, foot]), np.array([left + length, foot]), np.array([0, 0.05])
     ticks = [[at - length * up, at + length * up] for at in (start, end)]
     scene.symbols(Symbols(springs=np.array([[start, end], *ticks])))
-    words = handy(length, "m", 4)
-    factor = scene.drawing.exaggeration
-    if factor != 1:
-        words += f"\nof {enlarged}: {handy(length / factor, 'm', 3)}"
-    if scene.metres_per_newton:
-        words += f"\nof arrows: {handy(length / scene.metres_per_newton, 'N', 3)}"
-    return words
+    drawing = scene.drawing
+    return look.bar_text(length, enlarged, drawing.exaggeration, scene.metres_per_newton)
 
 
 def write_bar(scene: StageScene, text: str) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.blades import member_names
+from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.nodes import point_blades
 from bladewhirl.postprocess.pictures import appearance as look
@@ -28,6 +29,7 @@ from bladewhirl.postprocess.plotting.files import checked_target, filled_templat
 
 FULL = 32767  #: largest signed number of 16 bits
 SHADES = 128
+BAR_SHARE = 0.15  #: longest scale bar, relative to the picture
 NONE = 255  #: shade of stations without a value
 
 
@@ -64,6 +66,7 @@ def render_page(
         "surfaceShades": shades.shape[1] - layout["surface"][1],
         "solidColours": [solid.colour for solid in drawing.solids if solid.colour],
         "marks": drawing.around,
+        "bar": _bar(drawing, size),
         **_members(dataset),
     }
     colouring = drawing.colouring
@@ -71,8 +74,14 @@ def render_page(
         "bladewhirl.postprocess.pictures",
         "web_page.html",
         title=str(dataset.attrs["title"]),
-        notes=f"{look.speed_text(dataset)}\n{drawing.frame} frame\n"
-        + look.enlargement(drawing.exaggeration),
+        notes="\n".join(
+            [
+                look.speed_text(dataset),
+                f"{drawing.frame} frame",
+                look.enlargement(drawing.exaggeration),
+                *drawing.dots,
+            ]
+        ),
         key=colouring.parts and list(colouring.parts.items()),
         scale=f"{colouring.name} [{colouring.unit}]",
         ticks=[f"{tick:.3g}" for tick in np.linspace(*colouring.limits, 5)],
@@ -169,8 +178,7 @@ def _members(dataset: xr.Dataset) -> dict[str, list[str]]:
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
     """Return the points of all drawn shapes, by the name of the shape [m]."""
-    force = drawing.largest_force
-    length = look.LONGEST_ARROW * size / look.MARGIN / force if force else 0.0
+    length = _metres_per_newton(drawing, size)
     return {
         "rotor": picture.rotor.sides,
         "casing": _wall(picture).sides,
@@ -196,6 +204,21 @@ def _shades(colouring: Colouring, values: Array) -> Array:
     missing = ~np.isfinite(share)
     shades = np.round(last * np.clip(np.where(missing, 0.0, share), 0.0, 1.0))
     return np.where(missing, NONE, shades).astype(np.uint8)
+
+
+def _bar(drawing: Drawing, size: float) -> dict[str, Any]:
+    """Return length and text of the scale bar."""
+    length = rounded_down(2.0 * BAR_SHARE * size)
+    words = look.bar_text(
+        length, "motion, clearance", drawing.exaggeration, _metres_per_newton(drawing, size)
+    )
+    return {"length": length / size * FULL, "text": words.splitlines()}
+
+
+def _metres_per_newton(drawing: Drawing, size: float) -> float:
+    """Return the length of arrows."""
+    force = drawing.largest_force
+    return look.LONGEST_ARROW * size / look.MARGIN / force if force else 0.0
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:

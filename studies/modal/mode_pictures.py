@@ -206,13 +206,14 @@ def _film(
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
     modes, numbers = _modes_of(stage, mode.body), mode.numbers
-    purity = (modes.modes if isinstance(modes, LabelledWhirlModes) else modes).purity[numbers[0]]
-    title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
-    if mode.body == "casing":
-        title = f"casing {title}"
-    elif isinstance(modes, LabelledWhirlModes):
+    table = modes.modes if isinstance(modes, LabelledWhirlModes) else modes
+    if isinstance(modes, LabelledWhirlModes):  # of the bladed disk
         direction, _ = modes.modes.named_directions(stage.speed)
         numbers = np.array([number for number in numbers if direction[number] == wave][:1])
+    purity, hertz = table.purity[numbers[0]], table.frequency[numbers[0]] / (2.0 * np.pi)
+    title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave, {hertz:.4g} Hz"
+    if mode.body == "casing":
+        title = f"casing {title}"
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem
     film = folder / f"{stem}.gif"

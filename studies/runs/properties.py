@@ -129,7 +129,8 @@ def _lowest_of_disk(stage: Stage) -> list[Mode]:
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
     if NO_COLUMN not in frequencies:
         return [_mode(stage, k, values[0], 1.0) for k, values in frequencies.items()]
-    return _modes(stage, modes, range(min(LOWEST, modes.count)), frequencies[NO_COLUMN])
+    lowest = frequencies[NO_COLUMN]
+    return _modes(stage, modes, range(min(LOWEST, modes.count, len(lowest))), lowest)
 
 
 def _lowest_of_casing(stage: Stage) -> list[Mode]:

@@ -56,7 +56,9 @@ def run_page(folder: Path, title: str) -> Path:
     """A report of a run."""
     run = folder / "run"
     run.mkdir()
-    result = synthetic_result(records=60, shaft_radius=1.2e-3).assign_attrs(title=title, case=title)
+    result = synthetic_result(records=60, shaft_radius=1.2e-3).assign_attrs(
+        title=title, case=f"# {title}"
+    )
     result.to_netcdf(run / "result.nc", engine="h5netcdf")
     return bw.report(run)
 
@@ -65,7 +67,7 @@ def sweep_page(folder: Path, title: str) -> Path:
     """A report of a sweep, one point of which failed."""
     motions = [{"speed": 75.0, "shaft_radius": 1.2e-3, "records": 200}, None]
     made = synthetic_sweep(
-        folder / "sweep", {"march.speed": (1.0, 1.2)}, motions, case=title, title=title
+        folder / "sweep", {"march.speed": (1.0, 1.2)}, motions, case=f"# {title}", title=title
     )
     return bw.report(made)
 

@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from command_line import answer
@@ -162,3 +163,17 @@ def test_a_drawing_of_the_stage(
     assert reach[1] / reach[0] == pytest.approx(0.5 / 0.065, rel=0.03)  # half of the rim's 30 mm
     for name, part_colour in (("blue", blade), ("sky", casing)):
         assert np.all(image[:, 960:] == part_colour, axis=-1).any(), name  # and so in the key
+
+
+def test_a_mesh_without_sectors_has_as_many_frequencies_as_were_computed(path: Path) -> None:
+    answer("mesh", path, "-o", path.with_name("disk.vtu"), "--set", "bladed_disk.blades=3")
+    mesh = meshio.read(path.with_name("disk.vtu"))
+    farthest = int(np.argmax(mesh.points @ [1.0, 0.3, 0.0]))
+    mesh.points[farthest] *= 0.98
+    meshio.write(path.with_name("unequal.vtu"), mesh)
+    path.write_text('bladed_disk.mesh = { file = "unequal.vtu", tips = "tips" }')
+    listed = shown(path)["derived"]["bladed_disk"]
+    assert listed
+    assert {mode["nodal_diameter"] for mode in listed} == {-1}
+    hertz = [mode["frequency"]["hz"] for mode in listed]
+    assert hertz == sorted(hertz)
