@@ -103,6 +103,7 @@ class Case(Tables):
             expected = '"rotating", or rotation.effects = "full" (Coriolis forces)'
             yield Inconsistency("shaft.damping_frame", expected, ("rotation.effects",))
         yield from superelement_faults(self)
+        yield from self._loss_faults()
         if self.sketch is not None:
             for name in self.bladed_disk.given():
                 expected = "not allowed together with [sketch]; remove this key"
@@ -129,6 +130,26 @@ class Case(Tables):
             elif isinstance(load, Imbalance) and load.ramp > 0.0:
                 expected = "0 with march.drive, whose momentum contains the imbalance"
                 yield Inconsistency(f"{key}.ramp", expected, ("march.drive",))
+
+    def _loss_faults(self) -> Iterator[Inconsistency]:
+        """Yield what the loss of a blade does not allow."""
+        loss, march, disk = self.blade_loss, self.march, self.bladed_disk
+        if loss is None:
+            return
+        if max(loss.blade) >= self.blades:
+            expected = f"blades from 0 to {self.blades - 1}"
+            yield Inconsistency("blade_loss.blade", expected, ("bladed_disk.blades",))
+        if march.revolutions is None and not loss.time < march.duration:
+            expected = f"a time before the end of the march, march.duration = {march.duration:g} s"
+            yield Inconsistency("blade_loss.time", expected, ("march.duration",))
+        for key, allowed, expected in (
+            ("bladed_disk.mistuning", not disk.mistuning.is_given(self.blades), "equal blades"),
+            ("bladed_disk.shrouds", not disk.shrouds, "blades without shrouds, packets included,"),
+            ("coupling.stiffness", self.coupling.stiffness == 0.0, "0"),
+            ("march.scheme", march.scheme == "central-difference", '"central-difference"'),
+        ):
+            if not allowed:
+                yield Inconsistency(key, f"{expected} with [blade_loss]", ("blade_loss.blade",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:
         disk = self.bladed_disk

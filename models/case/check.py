@@ -147,7 +147,8 @@ def _known_keys() -> tuple[tuple[str, ...], ...]:
 
 
 def _keys_of(table: type[Table]) -> Iterator[tuple[str, ...]]:
-    for name, field in table.model_fields.items():
+    for attribute, field in table.model_fields.items():
+        name = field.alias or attribute
         yield (name,)
         for inner in tables_in(field.annotation):
             yield from ((name, *path) for path in _keys_of(inner))

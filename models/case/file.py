@@ -88,6 +88,11 @@ def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
         raise CaseError([Fault(key=name, expected="a table")]) from None
 
 
+def optional_table_of(text: str, name: str, kind: type[TableT]) -> TableT | None:
+    """Return one table from the text of a case, see `table_of`; None if the text lacks it."""
+    return table_of(text, name, kind) if name in _parsed(text, "case") else None
+
+
 def _parsed(text: str, file: str) -> dict[str, Any]:
     """Return the tables of TOML text of limited size.
 

@@ -68,6 +68,9 @@ def superelement_faults(case: Tables) -> Iterator[Inconsistency]:
             yield Inconsistency("casing.coating.profile", expected, (SOURCE,))
         return
     forbidden = f"not allowed together with {SOURCE}; remove this key"
+    if case.blade_loss is not None:
+        expected = "beams: a file does not say which of its matrices are those of a blade"
+        yield Inconsistency("blade_loss.blade", f"no [blade_loss], or {expected}", (SOURCE,))
     if case.sketch is not None:
         yield Inconsistency("sketch", forbidden, (SOURCE,))
     table = case.bladed_disk.superelement

@@ -6,6 +6,7 @@ from typing import ClassVar
 from pydantic import Field, StrictStr
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
+from bladewhirl.models.case.blade_loss import BladeLoss
 from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import Excitation, ExcitationTable, NoExcitation
@@ -40,6 +41,10 @@ class Tables(ReplacedKeys):
     """A bladed disk drawn in Python, in place of [bladed_disk]."""
     coupling: Coupling = Coupling()
     march: March = March()
+    blade_loss: BladeLoss | None = Field(
+        default=None, examples=['{ blade = 0, time = "1 s", from = 0.0 }']
+    )
+    """Blades that break off during the march; needs equal blades of beams without shrouds."""
     sensor: SensorRows = ()
     """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
 

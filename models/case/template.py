@@ -53,8 +53,8 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
     written = table.model_dump()
     descriptions = type(table).descriptions() if commented else {}
     for name, field in type(table).model_fields.items():
-        value = getattr(table, name)
-        if name not in written:
+        value, key = getattr(table, name), field.alias or name
+        if key not in written:
             continue
         if isinstance(table, Case) and isinstance(value, Table):
             continue  # has its own heading; nested tables are written inline
@@ -63,9 +63,9 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
         if commented:
             yield _comment(descriptions[name])
         if value is not None:
-            yield f"{name} = {_value(value)}\n"
+            yield f"{key} = {_value(value)}\n"
         elif commented:
-            yield _comment(f"{name} = {(field.examples or [None])[0]}")
+            yield _comment(f"{key} = {(field.examples or [None])[0]}")
 
 
 def _alternative(table: Table, heading: str = "") -> str:

@@ -10,6 +10,7 @@ from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.stage.blade_loss import loss_faults, with_blade_loss
 from bladewhirl.models.stage.coating import coating_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import (
     ContactNodes,
@@ -58,7 +59,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             foreshortening=foreshortening(stage),
             law=case.contact.law,
         )
-        return with_speed_change(stage, problem)
+        return with_blade_loss(stage, problem, with_speed_change(stage, problem))
 
 
 def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:
@@ -87,6 +88,7 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
     yield from coating_faults(stage, *marched_bodies(stage))
     yield from _load_faults(stage)
     yield from _start_faults(stage)
+    yield from loss_faults(stage)
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:

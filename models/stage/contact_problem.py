@@ -10,7 +10,7 @@ contact node of a superelement.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -442,6 +442,14 @@ def rod_angles(rods: int) -> FloatArray:
     return np.asarray(2.0 * np.pi / rods * (np.arange(rods) + 0.5))
 
 
+class Rotation(NamedTuple):
+    """Rotation of the rotor at an instant."""
+
+    angle: float  #: [rad]
+    speed: float  #: [rad/s]
+    acceleration: float  #: [rad/s2]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
@@ -462,10 +470,17 @@ class Load:
     """Factor of Omega^2 less the square of the speed of the contact problem [s2]."""
     by_acceleration: float = 0.0  #: factor of Omega' [s2]
 
-    def scale_at(self, square: float, acceleration: float) -> float:
-        """Return the factor of the pattern for a difference of squared speeds [rad2/s2] and an
-        acceleration [rad/s2]."""
-        return self.constant + self.by_square * square + self.by_acceleration * acceleration
+    def amplitude(self, time: float, turned: "Rotation", base: float) -> float:
+        """Return the factor of the pattern at a time [s] and a rotation; `base` is the speed of the
+        contact problem [rad/s]."""
+        if not time < self.end:
+            return 0.0
+        scale = self.constant + self.by_square * (turned.speed**2 - base**2)
+        scale += self.by_acceleration * turned.acceleration
+        factor = np.cos(self.frequency * time + self.phase + self.order * turned.angle)
+        if time < self.ramp:
+            factor *= 0.5 - 0.5 * np.cos(np.pi * time / self.ramp)
+        return float(factor * scale)
 
     def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> "Load":
         """Return the load on the chosen modes, that is, its projection on these modes."""
@@ -520,13 +535,13 @@ class SpeedChange:
     rotation effects."""
 
     def change_of_force(
-        self, base: float, displacement: FloatArray, velocity: FloatArray
+        self, base: float, turned: Rotation, displacement: FloatArray, velocity: FloatArray
     ) -> FloatArray:
-        """Return the modal forces on the rotor at t = 0 that the rotor at the speed `base` [rad/s]
-        lacks, (modes,)."""
+        """Return the modal forces on the rotor that the rotor at the speed `base` [rad/s] lacks,
+        (modes,)."""
         if self.stiffening is None or self.coriolis is None:
             return np.zeros(len(displacement))
-        speed, rate = float(self.course.speed(0.0)), float(self.course.acceleration(0.0))
+        speed, rate = turned.speed, turned.acceleration
         return np.asarray(
             -(speed**2 - base**2) * (self.stiffening @ displacement)
             - self.coriolis @ (rate * displacement + 2.0 * (speed - base) * velocity)
@@ -614,6 +629,7 @@ class ContactProblem:
     """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
     change: SpeedChange | None = None  #: None for a constant speed
     drive: FreeSpeed | None = None  #: None for a prescribed speed
+    loss: "LostBlades | None" = None  #: None if no blade is lost
 
     def speed_at(self, time: float) -> float:
         """Return the speed of rotation at a time [rad/s]."""
@@ -623,17 +639,27 @@ class ContactProblem:
         """Return the angle of the rotor at a time [rad]."""
         return self.speed * time if self.change is None else float(self.change.course.angle(time))
 
-    def turning_force(self) -> FloatArray:
-        """Return the modal forces of the rotation on the rotor at t = 0, (modes,); see
+    def rotation_at(self, time: float) -> Rotation:
+        """Return the rotation at a time [s]; that of a free speed is known at the start only."""
+        if self.change is None:
+            return Rotation(self.speed * time, self.speed, 0.0)
+        course = self.change.course
+        each = (course.angle(time), course.speed(time), course.acceleration(time))
+        return Rotation(*map(float, each))
+
+    def turning_force(
+        self, turned: Rotation, displacement: FloatArray, velocity: FloatArray
+    ) -> FloatArray:
+        """Return the modal forces of the rotation on the rotor, (modes,); see
         `ReducedRotor.turning_force`."""
-        rotor, start, change = self.rotor, self.start, self.change
+        rotor, change = self.rotor, self.change
         if change is None:
-            return rotor.turning_force(start.rotor, start.rotor_velocity)
+            return rotor.turning_force(displacement, velocity)
         if rotor.circulation != 0.0:
-            share = self.speed_at(0.0) / self.speed
+            share = turned.speed / self.speed
             rotor = replace(rotor, circulation=share * rotor.circulation)
-        force = rotor.turning_force(start.rotor, start.rotor_velocity)
-        return force + change.change_of_force(self.speed, start.rotor, start.rotor_velocity)
+        force = rotor.turning_force(displacement, velocity)
+        return force + change.change_of_force(self.speed, turned, displacement, velocity)
 
     def clearance(self, time: float) -> FloatArray:
         """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""
@@ -725,6 +751,24 @@ class ContactProblem:
             place = self.springs.places
             stiffness[..., place[:, None], place] += self.springs.stiffness(angle=angle)
         return stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
+class LostBlades:
+    """Blades that are lost during a march; the rotor that remains has coordinates of its own.
+
+    Tips of lost blades stay in the arrays; they do not move and are far from the wall.
+    """
+
+    time: float  #: time of the loss [s]
+    after: ContactProblem  #: contact problem of what remains
+    restriction: FloatArray
+    """Coordinates of what remains for unit coordinates before, (modes after, modes before)."""
+    extension: FloatArray
+    """Coordinates before for unit coordinates after, which give the motion of what remains, (modes
+    before, modes after). The motion of lost parts has no meaning."""
+    tips: IntArray  #: tips that are lost, (lost,)
+    reach: FloatArray  #: radial distance of the fracture from the wall [m], (lost,)
 
 
 def around_wall(field: FloatArray, length: float, angle: FloatArray) -> FloatArray:

@@ -9,13 +9,15 @@ with the static displacement u in this state, and the positions X at rest. The g
 acts on the displacements from this state, as at constant speed.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.rotation.at_speed import TurningDisk, static_displacement
-from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.speed_course import SpeedCourse
+from bladewhirl.models.rotation.at_speed import static_displacement
+from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     FreeSpeed,
@@ -24,6 +26,48 @@ from bladewhirl.models.stage.contact_problem import (
 )
 from bladewhirl.models.stage.excitations import felt
 from bladewhirl.models.stage.stage import Stage
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurningModes:
+    """Rotation of a bladed disk in modal coordinates, for displacements from a static state."""
+
+    stiffening: FloatArray  #: see `SpeedChange`, (modes, modes)
+    coriolis: FloatArray  #: see `SpeedChange`, (modes, modes)
+    centrifugal: FloatArray  #: load for Omega^2 = 1 rad2/s2 [N s2 kg^-1/2], (modes,)
+    euler: FloatArray  #: load for Omega' = -1 rad/s2 [N s2 kg^-1/2], (modes,)
+
+    @classmethod
+    def of(
+        cls, matrices: RotationMatrices, shapes: FloatArray, grown: FloatArray
+    ) -> "TurningModes":
+        """Return the rotation of a bladed disk in some modes.
+
+        Args:
+            matrices: matrices of the bladed disk.
+            shapes: fields of the modes on the free DoF [kg^-1/2], (size, modes).
+            grown: displacement in the static state [m], (size,).
+        """
+        stiffening = shapes.T @ ((matrices.geometric - matrices.mass) @ shapes)
+        coriolis = shapes.T @ (matrices.coriolis @ shapes)
+        centrifugal = matrices.load + matrices.mass @ grown
+        euler = matrices.euler + matrices.coriolis @ grown
+        return cls(
+            stiffening=0.5 * (stiffening + stiffening.T),
+            coriolis=0.5 * (coriolis - coriolis.T),
+            centrifugal=felt(shapes.T @ centrifugal),
+            euler=felt(shapes.T @ euler),
+        )
+
+    def in_problem(self, problem: ContactProblem, course: SpeedCourse) -> ContactProblem:
+        """Return a contact problem of these modes with a speed that varies."""
+        still = np.zeros(len(problem.casing.frequency))
+        loads = (
+            Load(rotor=self.centrifugal, casing=still, constant=0.0, by_square=1.0),
+            Load(rotor=self.euler, casing=still, constant=0.0, by_acceleration=-1.0),
+        )
+        change = SpeedChange(course=course, stiffening=self.stiffening, coriolis=self.coriolis)
+        return replace(problem, loads=(*problem.loads, *loads), change=change)
 
 
 def with_speed_change(stage: Stage, problem: ContactProblem) -> ContactProblem:
@@ -36,52 +80,48 @@ def with_speed_change(stage: Stage, problem: ContactProblem) -> ContactProblem:
         return problem
     turning = stage.turning
     if turning is None:
-        return _with_drive(stage, replace(problem, change=SpeedChange(course=course)))
+        changed = replace(problem, change=SpeedChange(course=course))
+        return with_drive(stage.case, changed, turning_inertia(stage))
     shapes = stage.reduction.modes.shapes[:, stage.kept.rotor]
-    matrices = turning.matrices
-    stiffening = shapes.T @ ((matrices.geometric - matrices.mass) @ shapes)
-    stiffening = 0.5 * (stiffening + stiffening.T)
-    coriolis = shapes.T @ (matrices.coriolis @ shapes)
-    coriolis = 0.5 * (coriolis - coriolis.T)
-    change = SpeedChange(course=course, stiffening=stiffening, coriolis=coriolis)
-    centrifugal, euler = (felt(shapes.T @ load) for load in _loads_in_steady_state(turning))
-    still = np.zeros(len(problem.casing.frequency))
-    loads = (
-        Load(rotor=centrifugal, casing=still, constant=0.0, by_square=1.0),
-        Load(rotor=euler, casing=still, constant=0.0, by_acceleration=-1.0),
-    )
+    grown = static_displacement(turning.matrices, turning.omega)
+    modes = TurningModes.of(turning.matrices, shapes, grown)
     square = float(course.speed(0.0)) ** 2 - problem.speed**2
-    stiffness = np.diag(problem.rotor.stiffness) + square * stiffening
-    steady = square * centrifugal
+    stiffness = np.diag(problem.rotor.stiffness) + square * modes.stiffening
+    steady = square * modes.centrifugal
     if stage.case.march.drive is not None:  # whose imbalance acts from the start on
         steady = steady + sum(load.constant * load.rotor for load in problem.loads)
     start = problem.start.rotor + np.linalg.solve(stiffness, steady)
-    problem = replace(
-        problem,
-        loads=(*problem.loads, *loads),
-        start=replace(problem.start, rotor=start),
-        change=change,
-    )
-    return _with_drive(stage, problem)
+    problem = replace(problem, start=replace(problem.start, rotor=start))
+    return with_drive(stage.case, modes.in_problem(problem, course), turning_inertia(stage))
 
 
 def turning_inertia(stage: Stage) -> float:
     """Return the moment of inertia about the axis of all that turns [kg m2], in the state of steady
     rotation at `Stage.speed`."""
-    drive, turning = stage.case.march.drive, stage.turning
-    own = 0.0 if drive is None else drive.inertia
+    turning = stage.turning
     if turning is None:
-        return own + rotation_matrices(stage.disk).inertia
-    matrices, grown = turning.matrices, static_displacement(turning.matrices, turning.omega)
+        return inertia_of(stage.case, rotation_matrices(stage.disk), 0.0)
+    grown = static_displacement(turning.matrices, turning.omega)
+    return inertia_of(stage.case, turning.matrices, grown)
+
+
+def inertia_of(case: Case, matrices: RotationMatrices, grown: FloatArray | float) -> float:
+    """Return the moment of inertia of all that turns in a static state [kg m2], see
+    `TurningModes.of`."""
+    drive = case.march.drive
+    own = 0.0 if drive is None else drive.inertia
+    if isinstance(grown, float):
+        return own + matrices.inertia
     return float(own + matrices.inertia + grown @ (2.0 * matrices.load + matrices.mass @ grown))
 
 
-def _with_drive(stage: Stage, problem: ContactProblem) -> ContactProblem:
-    """Return the contact problem with the drive of its case, if it has one."""
-    given, change, shaft = stage.case.march.drive, problem.change, stage.case.shaft
+def with_drive(case: Case, problem: ContactProblem, inertia: float) -> ContactProblem:
+    """Return the contact problem with the drive of its case, if it has one; `inertia` is that of
+    all that turns [kg m2]."""
+    given, change, shaft = case.march.drive, problem.change, case.shaft
     if given is None:
         return problem
-    drive = FreeSpeed(inertia=turning_inertia(stage), torque=given.torque, loss=given.loss)
+    drive = FreeSpeed(inertia=inertia, torque=given.torque, loss=given.loss)
     if change is not None and change.coriolis is not None:
         still = np.zeros(len(problem.rotor.frequency))
         static = shaft.damping_frame == "static" and not shaft.clamped
@@ -92,11 +132,3 @@ def _with_drive(stage: Stage, problem: ContactProblem) -> ContactProblem:
             across=sum((-load.by_acceleration * load.rotor for load in problem.loads), still),
         )
     return replace(problem, drive=drive)
-
-
-def _loads_in_steady_state(turning: TurningDisk) -> tuple[FloatArray, FloatArray]:
-    """Return the loads for Omega^2 = 1 rad2/s2 and for Omega' = -1 rad/s2 on the free DoF."""
-    matrices = turning.matrices
-    grown = static_displacement(matrices, turning.omega)
-    centrifugal = matrices.load + matrices.mass @ grown
-    return centrifugal, matrices.euler + matrices.coriolis @ grown

@@ -199,7 +199,7 @@ def build_stage(case: Case) -> Stage:
         ring = stage_casing(case)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
     modes = ring.casing_modes
-    rotor = _reduced_rotor(case, disk, reduction.modes, turning)
+    rotor = reduced_rotor(case, disk, reduction.modes, turning)
     if turning is not None:
         _check_clearance(case, rotor.tip_recess)
     if turning is None or case.rotation.effects != "full" or not disk.structure.is_cyclic:
@@ -238,7 +238,7 @@ def rotor_at(stage: Stage, omega: float) -> tuple[ReducedRotor, FloatArray]:
         with_values(case, {"march.speed": omega / stage.reference_frequency})
     ):
         modes = craig_bampton(structure, boundary, kept, tip_in_sector(turning.disk)).modes
-    return _reduced_rotor(case, turning.disk, modes, turning), modes.shapes
+    return reduced_rotor(case, turning.disk, modes, turning), modes.shapes
 
 
 def boundary_sets(disk: BladedDiskModel) -> dict[str, IntArray]:
@@ -262,7 +262,7 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
     return lowest_frequency(disk, (frequencies[0] for frequencies in full.values()))
 
 
-def _reduced_rotor(
+def reduced_rotor(
     case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
 ) -> ReducedRotor:
     """Return the bladed disk in modal coordinates, with the change of the clearance at speed."""

@@ -15,7 +15,9 @@ from matplotlib.patches import Patch
 from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.strains import strain_energy_rows
 from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -81,7 +83,7 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
 
     The first group is the suspension, the last group all other modes. Between them the first blade
     family has a group for each nodal diameter. Without families of modes the last group is the only
-    one.
+    one. After a loss of blades the last group lacks the strain energy of the lost beams.
     """
     stage = result.variables
     if "rotor_family" not in stage:
@@ -93,7 +95,13 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
     groups = [family == SUSPENSION, *(first & (diameter == k) for k in diameters)]
     groups.append(~np.logical_or.reduce(groups))
     weights = 0.5 * stage["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
-    return reduce_modes(result, "rotor_displacement", weights, np.square), diameters
+    energy = reduce_modes(result, "rotor_displacement", weights, np.square)
+    lost = lost_blades(result)
+    if lost is not None:
+        gone = lost.gone(result["time"].values)
+        of_lost = reduce_modes(result, "rotor_displacement", strain_energy_rows(result, lost.lines))
+        energy[gone, -1] -= (of_lost[gone] ** 2).sum(axis=1)
+    return energy, diameters
 
 
 def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:

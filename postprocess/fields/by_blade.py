@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, tip_rows
+from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 
 LARGE_DISPLACEMENT = 0.1
@@ -64,11 +65,14 @@ def blade_radii(dataset: xr.Dataset) -> Array:
 
 def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
     """Return the radial (0) or tangential (1) displacement of each contact node in rotating axes
-    at every record [m], (time, contact_node), with the part of their own flexibility."""
+    at every record [m], (time, contact_node), with the part of their own flexibility; nan for a
+    blade that is lost."""
     if "contact_displacement" in dataset:
         stored = dataset["contact_displacement"].isel(direction=direction)
         return np.concatenate([stored[portion].values for portion in portions(dataset)])
-    return reduce_modes(dataset, "rotor_displacement", tip_rows(dataset)[direction])
+    return masked(
+        dataset, reduce_modes(dataset, "rotor_displacement", tip_rows(dataset)[direction])
+    )
 
 
 def largest_contact_motion(dataset: xr.Dataset) -> Array:

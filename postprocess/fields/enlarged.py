@@ -31,6 +31,7 @@ from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades, with_recess
 from bladewhirl.postprocess.fields.drawback import drawn_back
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
+from bladewhirl.postprocess.fields.lost_blades import Lost, lost_blades
 from bladewhirl.postprocess.fields.strains import rotor_sections
 
 #: drawn clearance divided by the tip radius, if the factor is chosen automatically
@@ -151,6 +152,11 @@ class EnlargedStage(EnlargedWall):
         q = history(dataset, "rotor_displacement", records)
         self.rotor_displacement = kinematics.combine(q, rows.reshape(-1, 2, rows.shape[-1]))
         self._node = kinematics.combine(q, dataset["rotor_shape"].values[:, :2])
+        self._lost = lost_blades(dataset)
+        self._gone = np.zeros(len(records), dtype=np.bool_)
+        if self._lost is not None:
+            self._gone = self._lost.gone(dataset["time"].values[records])
+            self._hide(self._lost)
         self.centre = self._node[:, int(dataset["centre_node"])]
         self._moved = self.rotor_displacement
         stations = (len(records), *self.line.shape)
@@ -164,6 +170,14 @@ class EnlargedStage(EnlargedWall):
         shift = self.factor * recess - kinematics.recess_at_rest(dataset)
         if shift.any():
             self.nodes, self.line = with_recess(dataset, self.line, shift)
+
+    def _hide(self, lost: Lost) -> None:
+        """Let lost beams and nodes, whose motion has no meaning, move as the fracture does."""
+        shape, gone = (len(self._gone), *self.line.shape), np.flatnonzero(self._gone)
+        moved = self.rotor_displacement.reshape(shape)
+        at_cut = self._node[np.ix_(gone, lost.line_cuts)][:, :, None]
+        moved[np.ix_(gone, lost.lines)] = at_cut
+        self._node[np.ix_(gone, lost.nodes)] = self._node[np.ix_(gone, lost.node_cuts)]
 
     def _draw_back(self, drawn: Array) -> None:
         """Reduce the radial displacements of stations and nodes by the distances `drawn` by which
@@ -181,15 +195,21 @@ class EnlargedStage(EnlargedWall):
         return float(np.linalg.norm(bent, axis=-1).max())
 
     def rotor_line(self, index: int) -> Array:
-        """Return drawn stations of beams (rotor_line, station, 2) [m] at the index-th record."""
+        """Return drawn stations of beams (rotor_line, station, 2) [m] at the index-th record; those
+        of lost blades are at the fracture."""
         shift = self.centre[index]
         flat = self.line.reshape(-1, 2)
-        line = magnify(flat, self._moved[index], shift, self.factor)
-        return line.reshape(self.line.shape)
+        line = magnify(flat, self._moved[index], shift, self.factor).reshape(self.line.shape)
+        if self._lost is not None and self._gone[index]:
+            line[self._lost.lines] = self.rotor_nodes(index)[self._lost.line_cuts][:, None]
+        return line
 
     def rotor_nodes(self, index: int) -> Array:
         """Return the drawn nodes (rotor_node, 2) [m] at the index-th record."""
-        return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
+        nodes = magnify(self.nodes, self._node[index], self.centre[index], self.factor)
+        if self._lost is not None and self._gone[index]:
+            nodes[self._lost.nodes] = nodes[self._lost.node_cuts]
+        return nodes
 
     def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
         """Return the right and left side of each beam (rotor_line, station, side, 2) [m].

@@ -9,6 +9,7 @@ import xarray as xr
 ABOUT = ("speed", "reference_frequency")
 SPEED_RANGE = ("lowest_speed", "highest_speed")
 """Further attributes of a result if the speed varies [rad/s]."""
+LOSS = "blade_loss"  #: attribute of a result that names the blades that are lost, if any
 COORDINATE_UNITS = {"time": "s", "edge": "s", "frequency": "rad/s", "angle": "rad"}
 
 
@@ -36,7 +37,7 @@ def labelled(
             "title": title,
             "case_title": source.attrs.get("case_title", source.attrs.get("title", "")),
             **{name: source.attrs[name] for name in ABOUT},
-            **{name: source.attrs[name] for name in SPEED_RANGE if name in source.attrs},
+            **{name: source.attrs[name] for name in (*SPEED_RANGE, LOSS) if name in source.attrs},
             **attributes,
         },
     )

@@ -29,7 +29,7 @@ NUMBERS = (
     "format speed friction clamped steps complementarity_residual unsolved_steps "
     "dt_over_critical wall_time us_per_step"
 )
-TEXTS = "title version symmetry case end_reason end_message over criterion window"
+TEXTS = "title version symmetry blade_loss case end_reason end_message over criterion window"
 """Attributes of results and sweeps that are validated if a file contains them."""
 
 ROOM, DENSEST = 1e9, 100

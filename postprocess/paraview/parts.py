@@ -20,6 +20,7 @@ from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,
@@ -67,6 +68,7 @@ class StageParts:
         exaggeration: float | None = None,
     ) -> None:
         self._dataset, self._rotating = dataset, rotating
+        self._lost = lost_blades(dataset)
         self.size = float(dataset.attrs["tip_radius"])  #: half the size of the stage [m]
         beam_pieces, arc_points = (BEAM_PIECES, ARC_POINTS) if surface else (1, LINE_ARC_POINTS)
         self._per_element = -(-arc_points // dataset.sizes["casing_node"])
@@ -115,20 +117,31 @@ class StageParts:
                 for boxes, rest, angle in zip(self._bodies, self._rest, turns, strict=True)
             ]
             tips = self._tip_fields(records, turns[0])
+            gone = np.zeros(len(records), dtype=np.bool_)
+            if self._lost is not None:
+                gone = self._lost.gone(self._dataset["time"].values[records])
             for index in range(len(records)):
                 wall, line = stage.wall(index), stage.rotor_line(index)
                 nodes = stage.rotor_nodes(index)
                 drawn = self._drawn(stage, index, line, wall)
                 grids = {
                     boxes.body: self._body(
-                        number, drawn[number], turns[number][index], fields, index
+                        number,
+                        drawn[number],
+                        turns[number][index],
+                        fields,
+                        index,
+                        gone=bool(gone[index]),
                     )
                     for number, (boxes, fields) in enumerate(zip(self._bodies, bodies, strict=True))
                 }
                 if "coating_strain" in self._dataset:
                     remaining = self._remaining_thickness(records[[index]])
                     grids["casing"].cell_data["remaining_thickness"] = [remaining]
-                grids["contact"] = self._contact(nodes, turns[0][index], tips, index)
+                tips_here = np.arange(len(self._tips))
+                if self._lost is not None and gone[index]:
+                    tips_here = np.setdiff1d(tips_here, self._lost.blades)
+                grids["contact"] = self._contact(nodes, turns[0][index], tips, index, tips_here)
                 supports = self._supports(stage, index, wall, nodes, turns)
                 if supports is not None:
                     grids["supports"] = supports
@@ -190,19 +203,31 @@ class StageParts:
         return fields
 
     def _body(
-        self, number: int, drawn: Array, angle: float, fields: dict[str, Array], index: int
+        self,
+        number: int,
+        drawn: Array,
+        angle: float,
+        fields: dict[str, Array],
+        index: int,
+        *,
+        gone: bool,
     ) -> meshio.Mesh:
         """Return the grid of bladed disk or casing; `drawn` contains its drawn corners (corner, 2)
-        in the axes of the body [m]."""
-        rest = self._rest[number]
+        in the axes of the body [m]. If lost blades are `gone`, their cells are left out."""
+        rest, boxes = self._rest[number], self._bodies[number]
+        kept = np.ones(len(self._faces[number]), dtype=np.bool_)
+        if boxes.body == "rotor" and self._lost is not None and gone:
+            whole = np.ones(self._dataset.sizes["rotor_line"], dtype=np.bool_)
+            whole[self._lost.lines] = False
+            kept = boxes.on_cells(whole)
         return meshio.Mesh(
             points=rotate(rest, angle),
-            cells=[("quad" if self._bodies[number].solid else "line", self._faces[number])],
+            cells=[("quad" if boxes.solid else "line", self._faces[number][kept])],
             point_data={
                 "warp": _in_space(rotate(drawn - rest[:, :2], angle)),
                 **{name: values[index] for name, values in fields.items()},
             },
-            cell_data=self._cells[number],
+            cell_data={name: [each[0][kept]] for name, each in self._cells[number].items()},
         )
 
     def _cell_data(self, boxes: Boxes) -> dict[str, NDArray[Any]]:
@@ -250,11 +275,11 @@ class StageParts:
         }
 
     def _contact(
-        self, nodes: Array, angle: float, fields: dict[str, Array], index: int
+        self, nodes: Array, angle: float, fields: dict[str, Array], index: int, blade: IntArray
     ) -> meshio.Mesh:
-        """Return the grid of the tips with contact forces. The points lie on the front of the
-        blades, so that arrows are visible."""
-        rest, blade = self._tips_at_rest, np.arange(len(self._tips))
+        """Return the grid of the tips of some blades with contact forces. The points lie on the
+        front of the blades, so that arrows are visible."""
+        rest = self._tips_at_rest
         return meshio.Mesh(
             points=rotate(rest, angle),
             cells=[("vertex", blade[:, None])],

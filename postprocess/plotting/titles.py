@@ -8,7 +8,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import LogFormatter, NullFormatter
 
-from bladewhirl.postprocess.fields.labelled import SPEED_RANGE
+from bladewhirl.postprocess.fields.labelled import LOSS, SPEED_RANGE
 from bladewhirl.postprocess.plotting.style import styled
 
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
@@ -34,7 +34,9 @@ def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
         data: dataset with the attributes of `fields.labelled`.
         words: texts that follow the speed.
     """
-    set_title(figure, str(data.attrs.get("case_title", "")), ", ".join([speed_label(data), *words]))
+    lost = [data.attrs[LOSS]] if LOSS in data.attrs else []
+    shown = ", ".join([speed_label(data), *lost, *words])
+    set_title(figure, str(data.attrs.get("case_title", "")), shown)
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:

@@ -9,6 +9,7 @@ import xarray as xr
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
+from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.instants import instants
@@ -147,6 +148,8 @@ def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
         ", ".join(f"{count} {name}" for name, count in counts.items() if count),
     )
     ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
+    if LOSS in dataset.attrs:
+        ran.append(("loss", str(dataset.attrs[LOSS]), ""))
     if "contact_displacement" in dataset:
         moved = zip(
             dataset["direction"].values, largest_contact_motion(dataset).max(0), strict=True

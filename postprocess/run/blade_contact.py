@@ -17,6 +17,7 @@ from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -67,9 +68,10 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
         columns: largest number of spans; if there are fewer records, each record has its own span.
 
     Returns:
-        Dataset over (time, blade): `gap` [m], the smallest gap; `force` [N], mean normal force,
-        positive if the casing pushes the tip inward; `friction` [N], mean friction force, positive
-        if it drags the tip towards -theta; `share` [1], share of the time steps in contact. `time`
+        Dataset over (time, blade): `gap` [m], the smallest gap, nan for a lost blade; `force` [N],
+        mean normal force, positive if the casing pushes the tip inward; `friction` [N], mean
+        friction force, positive if it drags the tip towards -theta; `share` [1], share of the time
+        steps in contact. `time`
         [s] is the end of each span, `edge` (edge,) [s] are the limits of all spans.
 
     Raises:
@@ -87,7 +89,8 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
     def total(name: str, choice: np.ufunc = np.add) -> Array:
         return of_blades(dataset, np.add.reduceat(dataset[name].values, starts, axis=0), choice)
 
-    gap = of_blades(dataset, np.minimum.reduceat(dataset["gap"].values, starts, axis=0), np.minimum)
+    gaps = masked(dataset, dataset["gap"].values)
+    gap = of_blades(dataset, np.fmin.reduceat(gaps, starts, axis=0), np.minimum)
     return labelled(
         dataset,
         "gaps and contact forces of the blades",
@@ -153,7 +156,7 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     """Draw the gap of every blade over time from `contact_maps` and, where a blade touches, the
     share of the time in contact."""
     figure, axes = _map_axes()
-    unit, scale = handy_unit(float(maps["gap"].max()), "m")
+    unit, scale = handy_unit(float(maps["gap"].max(skipna=True)), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
     pale = LinearSegmentedColormap.from_list("gaps", GAP_COLOURS)
     picture = draw_map(axes, maps["edge"], maps["blade"], gap, vmin=0.0, cmap=pale)

@@ -20,6 +20,7 @@ from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.lost_blades import Lost, lost_blades
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
@@ -67,6 +68,8 @@ class _Body(NamedTuple):
     radius: Array  #: radius in the undeformed body (point,) [m]
     starts: IntArray  #: first point of each member
     columns: slice  #: range of the members of this body among the members of both bodies
+    lost: Lost | None = None  #: blades that are lost, if any; their stress is then zero
+    lost_points: IntArray = np.zeros(0, dtype=np.int64)  #: points that are lost with them
 
 
 def stress_history(
@@ -175,6 +178,12 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
         member[order],
         first=0,
     )
+    lost = lost_blades(dataset)
+    if lost is not None:
+        stations = len(rotor.radius) // len(order)
+        gone = np.flatnonzero(np.isin(order, lost.lines))
+        points = (stations * gone[:, None] + np.arange(stations)).ravel()
+        rotor = rotor._replace(lost=lost, lost_points=points)
     rotor_names = [names[number] for number in present]
     if "casing_displacement" not in dataset:  # a rigid wall
         return rotor_names, [rotor]
@@ -227,6 +236,10 @@ def _strains(
         for read in portions(dataset, together):
             coordinates = dataset[body.history].isel(time=read).values.T
             axial, bending = body.axial @ coordinates, body.bending @ coordinates
+            if body.lost is not None:
+                gone = np.flatnonzero(body.lost.gone(dataset["time"].values[read]))
+                axial[np.ix_(body.lost_points, gone)] = 0.0
+                bending[np.ix_(body.lost_points, gone)] = 0.0
             for first in range(0, axial.shape[1], cached):
                 part = slice(first, first + cached)
                 portion = slice(read.start + first, min(read.start + part.stop, read.stop))

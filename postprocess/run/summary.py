@@ -14,6 +14,8 @@ from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
@@ -111,6 +113,7 @@ class Summary:
     stress_max: dict[str, extremes.StressPeak] | None
     """Largest stress of "bladed_disk" and "casing", of stages of beams, and of superelements whose
     file gives the recovery of stress."""
+    blade_loss: str | None  #: blades that were lost, and when
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
     contact_share: list[float]  #: share of the time steps in contact, for each contact node
     gap_violation_max: float  #: deepest penetration at any step [m]
@@ -193,6 +196,7 @@ def summarise(
         contact_impulse_by_blade=of_blades(dataset, impulse.sum(axis=0)).tolist(),
         impulse_per_revolution=late_impulse(dataset),
         stress_max=_stresses(dataset, stresses),
+        blade_loss=dataset.attrs.get(LOSS),
         yield_strength=dataset.attrs.get("yield_strength"),
         contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
@@ -326,8 +330,8 @@ def _largest_tip_displacement(dataset: xr.Dataset) -> float:
     blades = dataset.sizes["contact_node"]
     shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
     moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
-    square = (moved.reshape(-1, blades, 2) ** 2).sum(axis=2)
-    return float(np.sqrt(square.max()))
+    square = masked(dataset, (moved.reshape(-1, blades, 2) ** 2).sum(axis=2))
+    return float(np.sqrt(np.nanmax(square)))
 
 
 def _holders(energies: xr.Dataset) -> EnergyHolders:

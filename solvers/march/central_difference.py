@@ -6,7 +6,12 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    Rotation,
+    Start,
+    WallCoating,
+)
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
     Struct,
@@ -117,26 +122,65 @@ class CentralDifference:
 
     def init(self) -> KernelState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
-        problem, start, dt = self._problem, self._problem.start, self._time_step
-        speed, rate, torque = problem.speed, 0.0, 0.0
-        if problem.change is not None:
-            speed, rate = problem.speed_at(0.0), float(problem.change.course.acceleration(0.0))
-        amplitudes = np.array(
-            [
-                np.cos(load.phase)
-                * (load.ramp <= 0.0)
-                * (load.end > 0.0)
-                * load.scale_at(speed**2 - problem.speed**2, rate)
-                for load in problem.loads
-            ]
+        problem, dt = self._problem, self._time_step
+        turned = problem.rotation_at(0.0)
+        state = self.begin(0, problem.start, turned)
+        arrays = state.arrays
+        arrays["gap"] = problem.initial_gap()
+        arrays["until"] -= 1.0
+        arrays["direction"][:, 0::2] = np.sign(turned.speed)
+        if problem.coating is not None:
+            strain = np.atleast_2d(problem.coating.strain)
+            arrays["strain"][:, : strain.shape[1]] = strain
+        rotor, casing = (
+            arrangement.unpack(arrays[name][0])
+            for arrangement, name in zip(self._arrangements, ("rotor", "casing"), strict=True)
         )
-        springs = problem.spring_force(0.0, np.concatenate([start.rotor, start.casing]))
-        pulls = np.split(springs, [len(start.rotor)])
-        pulls[0] = pulls[0] + problem.turning_force()
+        earlier = replace(problem, start=replace(problem.start, rotor=rotor, casing=casing))
+        arrays["gaps"][:] = arrays["gap"], earlier.initial_gap(-dt)
+        return state
+
+    def begin(self, step: int, start: Start, turned: Rotation) -> KernelState:
+        """Return the state at a step with given displacements and velocities, without gaps,
+        contact and works before this step."""
+        problem, dt = self._problem, self._time_step
+        rotor, casing, torque, rate = self.accelerations(step * dt, start, turned)
         slots = []
-        for name, arrangement, pull in zip(
-            ("rotor", "casing"), self._arrangements, pulls, strict=True
+        for name, arrangement, acceleration in zip(
+            ("rotor", "casing"), self._arrangements, (rotor, casing), strict=True
         ):
+            x, v = getattr(start, name), getattr(start, f"{name}_velocity")
+            before = x - dt * v + 0.5 * dt**2 * acceleration
+            slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
+        arrays = zeros("State", self._sizes())
+        arrays |= {"rotor": slots[0], "casing": slots[1]}
+        if problem.drive is not None:
+            self._start_drive(arrays, torque, turned._replace(acceleration=rate), start)
+        return KernelState(step=step, arrays=arrays)
+
+    def displacements(self, state: KernelState, row: int) -> list[FloatArray]:
+        """Return the modal displacements of rotor and casing in a state, one step before it (row 0)
+        or at its step (row 1)."""
+        return [
+            arrangement.unpack(state.arrays[name][row])
+            for arrangement, name in zip(self._arrangements, ("rotor", "casing"), strict=True)
+        ]
+
+    def accelerations(
+        self, time: float, start: Start, turned: Rotation
+    ) -> tuple[FloatArray, FloatArray, float, float]:
+        """Return the modal accelerations of rotor and casing without contact, the torque on a free
+        rotor [N m], and the acceleration of the rotation [rad/s2]."""
+        problem = self._problem
+        torque, rate = 0.0, turned.acceleration
+        amplitudes = np.array(
+            [load.amplitude(time, turned, problem.speed) for load in problem.loads]
+        )
+        springs = problem.spring_force(turned.angle, np.concatenate([start.rotor, start.casing]))
+        pulls = np.split(springs, [len(start.rotor)])
+        pulls[0] = pulls[0] + problem.turning_force(turned, start.rotor, start.rotor_velocity)
+        found = []
+        for name, pull in zip(("rotor", "casing"), pulls, strict=True):
             body = getattr(problem, name)
             x, v = getattr(start, name), getattr(start, f"{name}_velocity")
             loads = [getattr(load, name) for load in problem.loads]
@@ -147,37 +191,21 @@ class CentralDifference:
             if name == "rotor" and problem.drive is not None:
                 assert problem.change is not None
                 torque, rate, further = problem.drive.acceleration(
-                    speed, problem.change, body.centre, (x, v, acceleration)
+                    turned.speed, problem.change, body.centre, (x, v, acceleration)
                 )
                 acceleration = acceleration + further
-            before = x - dt * v + 0.5 * dt**2 * acceleration
-            slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
-        arrays = zeros("State", self._sizes())
-        arrays |= {"rotor": slots[0], "casing": slots[1], "gap": problem.initial_gap()}
-        arrays["until"] -= 1.0
-        arrays["direction"][:, 0::2] = np.sign(speed)
-        if problem.coating is not None:
-            strain = np.atleast_2d(problem.coating.strain)
-            arrays["strain"][:, : strain.shape[1]] = strain
-        if problem.drive is not None:
-            self._start_drive(arrays, torque, rate)
-        rotor, casing = (
-            arrangement.unpack(slot[0])
-            for arrangement, slot in zip(self._arrangements, slots, strict=True)
-        )
-        earlier = replace(problem, start=replace(start, rotor=rotor, casing=casing))
-        arrays["gaps"][:] = arrays["gap"], earlier.initial_gap(-dt)
-        return KernelState(step=0, arrays=arrays)
+            found.append(acceleration)
+        return found[0], found[1], torque, rate
 
-    def _start_drive(self, arrays: Arrays, torque: float, rate: float) -> None:
-        """Set the state of a free speed at t = 0 with the torque [N m] and the acceleration
-        [rad/s2]."""
+    def _start_drive(self, arrays: Arrays, torque: float, turned: Rotation, start: Start) -> None:
+        """Set the state of a free speed with the torque [N m] and the rotation at a step."""
         problem, dt = self._problem, self._time_step
         assert problem.drive is not None
         assert problem.change is not None
-        speed, start = problem.speed, problem.start
+        (angle, speed, rate) = turned
         state = dict.fromkeys(range(lib.DRIVE_NUMBERS), 0.0) | {
-            lib.DRIVE_BEFORE: -speed * dt + 0.5 * rate * dt**2,
+            lib.DRIVE_BEFORE: angle - speed * dt + 0.5 * rate * dt**2,
+            lib.DRIVE_ANGLE: angle,
             lib.DRIVE_SPEED: speed - 0.5 * dt * rate,
             lib.DRIVE_ACCELERATION: rate,
             lib.DRIVE_LAST: speed - dt * rate,

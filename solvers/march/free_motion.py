@@ -56,6 +56,8 @@ class FreeMotion:
             raise ValueError("a load never ends")
         if problem.change is not None:
             raise ValueError("the speed varies")
+        if problem.loss is not None:
+            raise ValueError("a blade is lost")
         clearance, bodies = problem.free_bodies()
         lost = 0.0 if problem.closure is None else problem.closure.course.largest_loss
         gap = CLOSING * (clearance - lost)

@@ -5,6 +5,7 @@ from typing import Any
 
 from bladewhirl.models.case.analysis import SCHEMES, SchemeName
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.march.lost_blades import LossOfBlades
 from bladewhirl.solvers.march.march import Scheme
 
 
@@ -25,6 +26,8 @@ def make_scheme(
     Raises:
         ValueError: the time step is too long.
     """
+    if problem.loss is not None:
+        return LossOfBlades(problem, time_step, record_every)
     module, _, scheme = SCHEMES[name].partition(":")
     made: Scheme[Any] = getattr(import_module(module), scheme)(problem, time_step, record_every)
     return made

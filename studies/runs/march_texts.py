@@ -30,6 +30,8 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
     course = stage.case.march.course(stage.reference_frequency)
     if course is not None and stage.case.march.drive is None:
         common["lowest_speed"], common["highest_speed"] = course.range
+    if stage.case.blade_loss is not None:
+        common["blade_loss"] = stage.case.blade_loss.text
     symmetries = stage.symmetry.items()
     marched = "; ".join(
         f"{body.replace('_', ' ')}: {symmetry}, march {MARCHES[cyclic]}"

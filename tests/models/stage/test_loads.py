@@ -5,7 +5,7 @@ import pytest
 from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.contact_problem import Load, Rotation
 from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.loads import (
     excitation_loads,
@@ -51,7 +51,8 @@ def test_an_imbalance_has_an_angle_and_follows_a_speed_that_varies() -> None:
     outward, around = excitation_loads(varying)
     speed, rate = 0.8 * varying.speed, 30.0
     acting = sum(
-        each.scale_at(speed**2 - varying.speed**2, rate) * each.rotor for each in (outward, around)
+        each.amplitude(1.0, Rotation(0.0, speed, rate), varying.speed) * each.rotor
+        for each in (outward, around)
     )
     mass = 0.2 * np.exp(0.7j)
     inertia = mass * (speed**2 - 1j * rate)  # minus m times the acceleration of e exp(i psi)

@@ -1,0 +1,289 @@
+"""Loss of blades: the rotor that remains, in coordinates of its own.
+
+The lost lines, masses and springs have no mass, stiffness and load any more. Coordinates of what
+remains are its modes among the motions that the modes before leave to it: with the modes V of the
+rotor before the loss, and the matrices K' and M' of what remains, they follow from V^T K' V and
+V^T M' V. Combinations of modes that hardly move what remains are left out. Displacements and
+velocities at the loss are therefore those of what remains, without projection onto other shapes;
+the momentum and the energy of the lost part leave with it.
+
+Displacements count from the static state u_s before the loss. What remains is not in equilibrium
+there: it feels the load
+
+    Omega^2 M'_t (X + u_s) - K' u_s,
+
+the pull of the lost part with opposite sign, which contains the imbalance. Without rotation effects
+u_s is proportional to Omega^2, and the growth of the other blades remains neglected.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.lost_part import BladedMesh, LostPart
+from bladewhirl.models.case.blade_loss import BladeLoss
+from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.cyclic import NO_COLUMN
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.modal.modes import collect_modes
+from bladewhirl.models.rotation.at_speed import static_displacement
+from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    Foreshortening,
+    Load,
+    LostBlades,
+    ReducedRotor,
+    SpeedChange,
+)
+from bladewhirl.models.stage.excitations import felt
+from bladewhirl.models.stage.loads import excitation_loads
+from bladewhirl.models.stage.speed_change import TurningModes, inertia_of, with_drive
+from bladewhirl.models.stage.stage import Stage, reduced_rotor
+
+TableT = TypeVar("TableT", bound=Any)
+
+MOVING = 1e-2
+"""Smallest share of the kinetic energy of a combination of modes that what remains must have."""
+
+
+def lost_part(stage: Stage, loss: BladeLoss) -> LostPart:
+    """Return the nodes and lines that are lost.
+
+    Raises:
+        CaseError: the blade is not a chain of beams that is joined to the disk at its root only, or
+            the fracture is at its tip.
+    """
+    model = stage.disk.model
+    mesh = BladedMesh(
+        points=model.mesh.points,
+        lines=model.mesh.lines,
+        parts=np.array(model.mesh.line_parts),
+        joints=model.joints,
+        tips=model.tips,
+        centre=model.centre,
+    )
+    try:
+        return mesh.lost_with(np.array(loss.blade), loss.share)
+    except ValueError as error:
+        key = "from" if "share" in str(error) else "blade"
+        raise CaseError([case_fault(stage.case, f"blade_loss.{key}", str(error))]) from None
+
+
+def without_part(model: BeamModel, lost: LostPart) -> BeamModel:
+    """Return a beam model without its lost lines, masses and springs; its nodes stay, with their
+    numbers."""
+    mesh, masses, springs = model.mesh, model.masses, model.springs
+    lines = np.setdiff1d(np.arange(len(mesh.lines)), lost.lines)
+    number = np.full(len(mesh.lines), -1)
+    number[lines] = np.arange(len(lines))
+    sets = {name: number[each] for name, each in mesh.line_sets.items()}
+    weights = np.flatnonzero(~np.isin(masses.node, lost.nodes))
+    held = np.isin(springs.node, lost.nodes) | np.isin(springs.other, lost.nodes)
+    return replace(
+        model,
+        mesh=replace(
+            mesh,
+            lines=mesh.lines[lines],
+            line_sets={name: each[each >= 0] for name, each in sets.items()},
+            sectors=None,
+        ),
+        properties=_rows(model.properties, lines),
+        masses=_rows(masses, weights),
+        springs=_rows(springs, np.flatnonzero(~held)),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RemainingDisk:
+    """Bladed disk after a loss, on the degrees of freedom before it; those of lost nodes have no
+    mass and no stiffness."""
+
+    disk: BladedDiskModel  #: at rest
+    matrices: RotationMatrices
+
+    @classmethod
+    def of(cls, stage: Stage, lost: LostPart) -> "RemainingDisk":
+        """Return the bladed disk of a stage without a lost part."""
+        shaft = stage.case.shaft
+        disk = assemble_bladed_disk(
+            without_part(stage.disk.model, lost),
+            shaft_stiffness=shaft.stiffnesses,
+            clamped=shaft.clamped,
+        )
+        structure = disk.structure
+        gone = structure.node_dofs[lost.nodes].ravel()
+        held = np.zeros(structure.size)
+        held[gone[gone >= 0]] = 1.0  # any stiffness, for a static displacement of zero
+        stiff = sp.csr_array(structure.stiffness + sp.diags_array(held))
+        supported = replace(disk, structure=replace(structure, stiffness=stiff))
+        matrices = replace(rotation_matrices(supported), structure=structure)
+        return cls(disk=disk, matrices=matrices)
+
+
+def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem) -> ContactProblem:
+    """Return the contact problem of a stage with the loss of blades of its case, if it has one.
+
+    Args:
+        stage: stage with the case.
+        given: contact problem at `Stage.speed`.
+        problem: the same with the speed over time of the case.
+
+    Raises:
+        CaseError: the loss is not possible, see `lost_part`, or the time step is too long for what
+            remains.
+    """
+    case, loss = stage.case, stage.case.blade_loss
+    if loss is None:
+        return problem
+    lost = lost_part(stage, loss)
+    remaining, turning = RemainingDisk.of(stage, lost), stage.turning
+    before = stage.reduction.modes.shapes[:, stage.kept.rotor]
+    structure = remaining.disk.structure
+    if turning is not None:
+        structure = remaining.matrices.at_speed(turning.omega, case.rotation.effects)
+    inertia = before.T @ (structure.mass @ before)
+    share, ways = la.eigh(0.5 * (inertia + inertia.T))
+    moving = share > MOVING
+    ways = ways[:, moving] / np.sqrt(share[moving])
+    square, extension = la.eigh(ways.T @ (before.T @ (structure.stiffness @ before)) @ ways)
+    extension = ways @ extension
+    shapes = before @ extension
+    modes = collect_modes(structure, square, shapes, np.full(len(square), NO_COLUMN))
+    disk = replace(remaining.disk, structure=structure)
+    rotor = reduced_rotor(case, disk, modes, turning)
+    blades = np.array(loss.blade)
+    away = np.linalg.norm(disk.mesh.points[lost.cuts], axis=1)
+    reach = rotor.tip_radius - away + float(case.casing.clearance_profile.smallest)
+    rotor = _without_tips(rotor, given, blades, reach)
+    after = replace(
+        given,
+        rotor=rotor,
+        loads=tuple(
+            replace(load, rotor=extension.T @ load.rotor)
+            for load in _loads_without(stage, given, blades)
+        ),
+        start=replace(
+            given.start,
+            rotor=np.zeros(len(square)),
+            rotor_velocity=np.zeros(len(square)),
+        ),
+        foreshortening=_without_bending(given.foreshortening, extension, blades),
+    )
+    after = _released(stage, remaining, shapes, after)
+    limit = after.critical_time_step
+    if not case.march.time_step < limit:
+        expected = (
+            f"less than the critical step {limit:.6g} s of what remains after the loss of a blade"
+        )
+        raise CaseError([case_fault(case, "march.time_step", expected)])
+    lost_blades = LostBlades(
+        time=loss.time,
+        after=after,
+        restriction=extension.T @ inertia,
+        extension=extension,
+        tips=blades,
+        reach=reach,
+    )
+    return replace(problem, loss=lost_blades)
+
+
+def loss_faults(stage: Stage) -> Iterator[Fault]:
+    """Yield a fault if the loss of a blade is not within the march."""
+    case, loss = stage.case, stage.case.blade_loss
+    if loss is not None and not 0 < round(loss.time / case.march.time_step) < case.march.steps:
+        step = case.march.time_step
+        expected = f"a time within the march, from {step:g} s to below {case.march.duration:g} s"
+        yield case_fault(case, "blade_loss.time", expected)
+
+
+def _released(
+    stage: Stage, remaining: RemainingDisk, shapes: FloatArray, after: ContactProblem
+) -> ContactProblem:
+    """Return the contact problem of what remains with the loads that it feels without the pull of
+    the lost part, and with the speed over time of the case."""
+    case, turning, matrices = stage.case, stage.turning, remaining.matrices
+    course = case.march.course(stage.reference_frequency)
+    casing, square = np.zeros(len(after.casing.frequency)), after.speed**2
+    stiffness = remaining.disk.structure.stiffness
+    if turning is not None:
+        grown = static_displacement(turning.matrices, turning.omega)
+        modes = TurningModes.of(matrices, shapes, grown)
+        pull = square * modes.centrifugal - shapes.T @ (stiffness @ grown)
+        after = replace(after, loads=(*after.loads, Load(rotor=felt(pull), casing=casing)))
+        if course is None:
+            return after
+        changed = modes.in_problem(after, course)
+        return with_drive(case, changed, inertia_of(case, matrices, grown))
+    before = rotation_matrices(stage.disk)
+    swept = spla.spsolve(stage.disk.structure.stiffness.tocsc(), before.euler)
+    pull = shapes.T @ (matrices.load - stiffness @ before.growth)
+    drag = shapes.T @ (matrices.euler - stiffness @ swept)
+    along = Load(rotor=square * felt(pull), casing=casing)
+    if course is None:
+        return replace(after, loads=(*after.loads, along))
+    along = replace(along, rotor=felt(pull), constant=square, by_square=1.0)
+    across = Load(rotor=felt(drag), casing=casing, constant=0.0, by_acceleration=-1.0)
+    change = SpeedChange(course=course)
+    after = replace(after, loads=(*after.loads, along, across), change=change)
+    return with_drive(case, after, inertia_of(case, matrices, 0.0))
+
+
+def _loads_without(stage: Stage, given: ContactProblem, blades: IntArray) -> tuple[Load, ...]:
+    """Return the loads of a contact problem without the engine-order forces on lost blades."""
+    case, changed = stage.case, False
+    loads = list(case.excitations.values())
+    for place, load in enumerate(loads):
+        if isinstance(load, EngineOrder):
+            factors = np.array(load.factors or np.ones(case.blades))
+            factors[blades] = 0.0
+            loads[place] = load.model_copy(update={"factors": tuple(factors.tolist())})
+            changed = True
+    if not changed:
+        return given.loads
+    several = isinstance(case.excitation, tuple)
+    excitation = tuple(loads) if several else loads[0]
+    other = replace(stage, case=case.model_copy(update={"excitation": excitation}))
+    kept = stage.kept
+    return tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(other))
+
+
+def _without_tips(
+    rotor: ReducedRotor, given: ContactProblem, blades: IntArray, reach: FloatArray
+) -> ReducedRotor:
+    """Return a rotor whose lost tips do not move and cannot reach the wall."""
+    radial, tangential = rotor.tip_radial.copy(), rotor.tip_tangential.copy()
+    recess = rotor.tip_recess.copy()
+    radial[blades] = tangential[blades] = 0.0
+    recess[blades] += reach + 3.0 * given.displacement_limit
+    nodes = given.rotor.nodes
+    if nodes is not None:
+        nodes = replace(nodes, axial=np.zeros_like(radial))
+    return replace(
+        rotor, tip_radial=radial, tip_tangential=tangential, tip_recess=recess, nodes=nodes
+    )
+
+
+def _without_bending(
+    given: Foreshortening | None, extension: FloatArray, blades: IntArray
+) -> Foreshortening | None:
+    """Return the foreshortening of what remains."""
+    if given is None:
+        return None
+    rows, sign = given.rows @ extension, given.sign.copy()
+    rows[blades] = sign[blades] = 0.0
+    return replace(given, rows=rows, sign=sign)
+
+
+def _rows(table: TableT, chosen: IntArray) -> TableT:
+    """Return a dataclass of arrays with the chosen rows."""
+    return replace(table, **{name: each[chosen] for name, each in vars(table).items()})

@@ -1,0 +1,83 @@
+"""Pictures, series, figures and summary of a run that loses a blade."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+from places import EXAMPLES
+
+from bladewhirl.models.case.file import read_case
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.by_blade import contact_motion
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
+from bladewhirl.postprocess.paraview.series import export_vtk
+from bladewhirl.postprocess.run.blade_contact import contact_maps
+from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.run.summary import summarise
+from bladewhirl.postprocess.run.summary_table import summary_rows
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+CHANGES = (
+    "bladed_disk.blades=9",
+    "reduction.fixed_interface_modes=36",
+    "march.duration=0.02",
+    "damping.ratio=0.01",
+    "blade_loss={blade=[2,5],time=0.01,from=0.3}",
+)
+
+
+@pytest.fixture(scope="module")
+def run() -> tuple[xr.Dataset, dict[str, float]]:
+    return march_in_memory(prepare(read_case(EXAMPLES / "imbalance.toml", CHANGES)))
+
+
+def test_lost_blades_vanish_from_pictures(run: tuple[xr.Dataset, dict[str, float]]) -> None:
+    result, _ = run
+    lost = lost_blades(result)
+    assert lost is not None
+    assert len(lost.lines) == 14  # seven of ten beams of each blade
+    records = np.array([50, 99, 100, 150])
+    stage = EnlargedStage(result, records, factor=10.0, per_line=4, per_element=4)
+    lengths = np.array(
+        [np.linalg.norm(np.diff(stage.rotor_line(n), axis=1), axis=2).sum(1) for n in range(4)]
+    )
+    assert (lengths[:2] > 0.01).all()
+    assert (lengths[2:][:, lost.lines] == 0.0).all()
+    others = np.setdiff1d(np.arange(lengths.shape[1]), lost.lines)
+    assert (lengths[2:][:, others] > 0.01).all()
+
+
+def test_lost_blades_vanish_from_series(
+    run: tuple[xr.Dataset, dict[str, float]], tmp_path: Path
+) -> None:
+    result, _ = run
+    export_vtk(result, tmp_path, records=np.array([50, 150]))
+    before, after = (
+        meshio.read(tmp_path / "frames" / f"rotor_0000{n}.vtu").cells[0].data for n in range(2)
+    )
+    assert len(before) - len(after) == 14
+    tips = meshio.read(tmp_path / "frames" / "contact_00001.vtu").cell_data["blade"][0]
+    np.testing.assert_array_equal(tips, [0, 1, 3, 4, 6, 7, 8])
+
+
+def test_values_of_lost_blades(run: tuple[xr.Dataset, dict[str, float]]) -> None:
+    result, report = run
+    after = result["time"].values > 0.0101
+    moved = contact_motion(result, 0)
+    assert np.isnan(moved[after][:, [2, 5]]).all()
+    assert np.isfinite(np.delete(moved, [2, 5], axis=1)).all()
+    assert np.isfinite(moved[result["time"].values < 0.0099]).all()
+    gaps = contact_maps(result)["gap"].values[-1]
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(gaps)), [2, 5])
+    stress = stress_history(result)["largest_stress"].sel(member="blade 2").values
+    assert stress[~after].max() > 0.0
+    rows = summary_rows(summarise(result, report))
+    assert rows["loss"] == "blades 2, 5 lost at 0.01 s beyond 30 % of the length"
+    # the strain energy is that of what remains; it is of the size of the energy of the march
+    energy = strain_energies(result)["total"].values[after]
+    assert energy.max() < 2.0 * result["energy"].values[after].max()
+    assert energy.min() > 0.0
