@@ -132,8 +132,16 @@ class Case(Tables):
                 yield Inconsistency(f"{key}.ramp", expected, ("march.drive",))
 
     def _loss_faults(self) -> Iterator[Inconsistency]:
-        """Yield what the loss of a blade does not allow."""
+        """Yield what the loss of a blade and a support that fuses do not allow."""
         loss, march, disk = self.blade_loss, self.march, self.bladed_disk
+        if self.shaft.fuse_force is not None:
+            for key, allowed, expected in (
+                ("coupling.stiffness", self.coupling.stiffness == 0.0, "0"),
+                ("march.scheme", march.scheme == "central-difference", '"central-difference"'),
+            ):
+                if not allowed:
+                    expected = f"{expected} with shaft.fuse_force"
+                    yield Inconsistency(key, expected, ("shaft.fuse_force",))
         if loss is None:
             return
         if max(loss.blade) >= self.blades:

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, StrictBool
 
-from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
+from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, StiffnessOrZero, quantity
 from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
 
 Effects = Literal["none", "centrifugal", "full"]
@@ -72,6 +72,12 @@ class Shaft(ReplacedKeys):
     acts on the velocity in static axes (v + Omega z x u for the displacement u and the velocity v
     in rotating axes) and stabilises forward whirl. "static" needs equal dampers and
     rotation.effects = "full"."""
+    fuse_force: Annotated[float, quantity("N")] | None = Field(default=None, examples=['"50 kN"'])
+    """Force in the springs at which the support fuses [N]: from this instant on the springs have
+    the stiffness shaft.fused_stiffness. Dampers stay. Needs march.scheme = "central-difference" and
+    a bladed disk of beams."""
+    fused_stiffness: StiffnessOrZero | None = Field(default=None, examples=['"2 MN/m"'])
+    """Stiffness of each spring after the support has fused [N/m]."""
     clamped: StrictBool = False
     """Fix the centre instead of supporting it by springs."""
 
@@ -84,6 +90,17 @@ class Shaft(ReplacedKeys):
             if given:
                 expected = f"not allowed together with shaft.{given[0]}; remove one of them"
                 yield Inconsistency("suspension_frequency", expected, tuple(given))
+        fuse = self.fuse_force, self.fused_stiffness
+        if None in fuse and fuse != (None, None):
+            key = "fuse_force" if self.fuse_force is None else "fused_stiffness"
+            other = {"fuse_force": "fused_stiffness", "fused_stiffness": "fuse_force"}[key]
+            yield Inconsistency(key, f"a value with shaft.{other}", (other,))
+        if self.fuse_force is not None and self.clamped:
+            expected = "springs, shaft.clamped = false; a clamped centre has no force to fuse at"
+            yield Inconsistency("fuse_force", expected, ("clamped",))
+        if self.fuse_force is not None and self.anisotropy:
+            expected = 'equal springs or shaft.frame = "rotating" with shaft.fuse_force'
+            yield Inconsistency("stiffness_y", expected, ("fuse_force",))
         if self.damping_frame == "static" and len(set(self.dampings)) > 1:
             expected = 'the value of shaft.damping, or shaft.damping_frame = "rotating"'
             yield Inconsistency("damping_y", expected, ("damping", "damping_frame"))

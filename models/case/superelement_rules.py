@@ -23,6 +23,7 @@ RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
         (False,),
         "linear matrices do not say by how much a tip draws back when its blade bends",
     ),
+    ("shaft.fuse_force", (None,), "a support that fuses is a bearing of a disk of beams"),
     ("reduction.modes", ("all",), "the modes of a file are chosen when the file is made"),
 )
 """Keys that a superelement restricts: the values that it allows, and the reason."""

@@ -21,6 +21,7 @@ from bladewhirl.models.stage.contact_problem import (
     WallClosure,
     critical_time_step,
 )
+from bladewhirl.models.stage.fused_support import with_fused_support
 from bladewhirl.models.stage.loads import excitation_loads, initial_state
 from bladewhirl.models.stage.speed_change import with_speed_change
 from bladewhirl.models.stage.stage import Stage
@@ -59,7 +60,8 @@ def contact_problem(stage: Stage) -> ContactProblem:
             foreshortening=foreshortening(stage),
             law=case.contact.law,
         )
-        return with_blade_loss(stage, problem, with_speed_change(stage, problem))
+        changed = with_blade_loss(stage, problem, with_speed_change(stage, problem))
+        return with_fused_support(stage, changed)
 
 
 def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:

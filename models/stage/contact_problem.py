@@ -630,6 +630,7 @@ class ContactProblem:
     change: SpeedChange | None = None  #: None for a constant speed
     drive: FreeSpeed | None = None  #: None for a prescribed speed
     loss: "LostBlades | None" = None  #: None if no blade is lost
+    fuse: "FusedSupport | None" = None  #: None if no support fuses
 
     def speed_at(self, time: float) -> float:
         """Return the speed of rotation at a time [rad/s]."""
@@ -754,21 +755,38 @@ class ContactProblem:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LostBlades:
-    """Blades that are lost during a march; the rotor that remains has coordinates of its own.
+class Aftermath:
+    """Contact problem after a sudden change of the rotor, in coordinates of its own."""
 
-    Tips of lost blades stay in the arrays; they do not move and are far from the wall.
+    after: ContactProblem  #: contact problem after the change
+    restriction: FloatArray
+    """Coordinates after for unit coordinates before, (modes after, modes before)."""
+    extension: FloatArray
+    """Coordinates before for unit coordinates after, (modes before, modes after)."""
+    tips: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Tips that are lost, (lost,)."""
+    reach: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Radial distance of the fracture of each lost tip from the wall [m], (lost,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LostBlades(Aftermath):
+    """Blades that are lost during a march.
+
+    Tips of lost blades stay in the arrays; they do not move and are far from the wall. The
+    extension gives the motion of what remains; the motion of lost parts has no meaning.
     """
 
     time: float  #: time of the loss [s]
-    after: ContactProblem  #: contact problem of what remains
-    restriction: FloatArray
-    """Coordinates of what remains for unit coordinates before, (modes after, modes before)."""
-    extension: FloatArray
-    """Coordinates before for unit coordinates after, which give the motion of what remains, (modes
-    before, modes after). The motion of lost parts has no meaning."""
-    tips: IntArray  #: tips that are lost, (lost,)
-    reach: FloatArray  #: radial distance of the fracture from the wall [m], (lost,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FusedSupport(Aftermath):
+    """Springs at the centre whose stiffness changes when their force passes a limit."""
+
+    force: FloatArray  #: force in the springs along x and y [N kg^-1/2 m^-1], (2, modes)
+    constant: FloatArray  #: part of the force that does not depend on coordinates [N], (2,)
+    limit: float  #: force at which the support fuses [N]
 
 
 def around_wall(field: FloatArray, length: float, angle: FloatArray) -> FloatArray:

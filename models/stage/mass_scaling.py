@@ -40,8 +40,8 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
     """
     if problem.coating is not None:
         raise ValueError("a casing without a coating")
-    if problem.loss is not None:
-        raise ValueError("a case without [blade_loss]")
+    if problem.loss is not None or problem.fuse is not None:
+        raise ValueError("a case without [blade_loss] and shaft.fuse_force")
     if not problem.casing.is_flexible:
         raise ValueError('casing.type = "ring", whose modes can be scaled')
     nodes = problem.rotor.nodes

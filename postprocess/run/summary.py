@@ -114,6 +114,7 @@ class Summary:
     """Largest stress of "bladed_disk" and "casing", of stages of beams, and of superelements whose
     file gives the recovery of stress."""
     blade_loss: str | None  #: blades that were lost, and when
+    fuse_time: float | None  #: time at which the support fused [s]
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
     contact_share: list[float]  #: share of the time steps in contact, for each contact node
     gap_violation_max: float  #: deepest penetration at any step [m]
@@ -197,6 +198,7 @@ def summarise(
         impulse_per_revolution=late_impulse(dataset),
         stress_max=_stresses(dataset, stresses),
         blade_loss=dataset.attrs.get(LOSS),
+        fuse_time=dataset.attrs.get("fuse_time"),
         yield_strength=dataset.attrs.get("yield_strength"),
         contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),

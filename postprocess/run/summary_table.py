@@ -31,6 +31,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
         **({} if summary.blade_loss is None else {"loss": summary.blade_loss}),
+        **_known("support fused at", summary.fuse_time, "s"),
         **_shaft(summary),
         **_walls(summary.casing_displacement_max),
         "tip displacement, largest": _text(summary.tip_displacement_max, "m"),

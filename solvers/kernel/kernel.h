@@ -14,7 +14,7 @@
 
 enum { LANES = 8, HALF = 4 }; /* number of doubles in a register, and in a narrow register */
 enum { ROWS = 4 };            /* number of rows of a block that are summed at a time */
-enum { RUNNING, DIVERGED };   /* status of a march */
+enum { RUNNING, DIVERGED, FUSED }; /* status of a march */
 enum { CHECK_EVERY = 100 };   /* steps between checks of all but the radial tip displacements */
 
 /* Rows of forces and of nodal values: w, w', u, u' of the casing nodes, then forces on tips. */
@@ -325,6 +325,13 @@ typedef struct {
     Vector held;      /* (spun_drive) force that holds the rotor in the state at the speed `base` */
 } Drive;
 
+/* Support of the centre that fuses, see `fuse.h`. */
+typedef struct {
+    Matrix force;    /* (2, rotor_entries) force in the springs along x and y [N] */
+    Vector constant; /* (2) part of this force that does not depend on displacements [N] */
+    double limit;    /* force at which the support fuses [N] */
+} Fuse;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -537,11 +544,12 @@ typedef struct {
     const NodeCoating *node_coating; /* or NULL */
     const Speed *speed;           /* or NULL */
     const Drive *drive;           /* or NULL */
+    const Fuse *fuse;             /* or NULL */
     const Numbers *numbers;
 } Stage;
 
 /* Do a number of `steps` from `step` on and record at multiples of `record_every`. Before the first
- * step and on return, row 0 of the state is x_{n-1} and row 1 is x_n. Returns RUNNING or DIVERGED;
+ * step and on return, row 0 of the state is x_{n-1} and row 1 is x_n. Returns RUNNING, DIVERGED or FUSED;
  * `reached` gets the number of the last step and the number of records. On divergence, the last
  * state within the displacement limit is recorded, with a backward difference as its velocity. */
 int march(const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,

@@ -35,6 +35,7 @@
  */
 #include "nodes.h"
 #include "drive.h"
+#include "fuse.h"
 
 /* Compute x_p of both bodies. */
 static inline void predict(March *m)
@@ -339,6 +340,11 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
         state->work.at[PARAMETRIC] += energy[1];
         turn_slots(&m.x);
         turn_slots(&m.y);
+        if (stage->fuse && fuses(stage->fuse, m.x.now)) {
+            status = FUSED;
+            step++;
+            break;
+        }
     }
     settle(&state->rotor, m.x);
     settle(&state->casing, m.y);

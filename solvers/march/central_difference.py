@@ -38,7 +38,10 @@ from bladewhirl.solvers.packing.nodes import (
 )
 from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
 from bladewhirl.solvers.packing.speed import pack_drive, pack_speed
-from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
+from bladewhirl.solvers.packing.supports import pack_dampers, pack_fuse, pack_springs
+
+ENDS = {lib.DIVERGED: EndReason.DIVERGENT, lib.FUSED: EndReason.FUSED}
+"""Reasons for an end by the status of the kernel."""
 
 
 class CentralDifference:
@@ -97,6 +100,7 @@ class CentralDifference:
         }
         self._stage["speed"] = pack_speed(problem, rotor, self._stage, self._pack_coupled)
         self._stage["drive"] = pack_drive(problem, rotor)
+        self._stage["fuse"] = pack_fuse(problem, rotor)
         self._scratch = Struct("Scratch", **self._working_arrays())
         # State and records are copied to and from arrays that are used again, as making and
         # checking new ones takes longer.
@@ -241,7 +245,7 @@ class CentralDifference:
             steps,
             every,
         )
-        end = EndReason.DIVERGENT if status == lib.DIVERGED else None
+        end = ENDS.get(status)
         arrays = {name: getattr(self._state, name).copy() for name in state.arrays}
         after = KernelState(step=reached, arrays=arrays)
         return after, self._chunk(written, after), end

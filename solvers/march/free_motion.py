@@ -58,6 +58,8 @@ class FreeMotion:
             raise ValueError("the speed varies")
         if problem.loss is not None:
             raise ValueError("a blade is lost")
+        if problem.fuse is not None:
+            raise ValueError("a support can fuse")
         clearance, bodies = problem.free_bodies()
         lost = 0.0 if problem.closure is None else problem.closure.course.largest_loss
         gap = CLOSING * (clearance - lost)

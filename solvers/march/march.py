@@ -22,6 +22,7 @@ class EndReason(Enum):
 
     COMPLETED = "completed"
     DIVERGENT = "divergent"
+    FUSED = "fused"  #: the support fused; the march goes on, see `sudden_changes`
     DAMPED = "damped"  #: no further contact is possible, see `FreeMotion`
 
 
@@ -183,6 +184,7 @@ class Statistics:
     complementarity_residual: float = 0.0
     """Largest residual of all steps (see `CentralDifference`)."""
     lcp_failures: int = 0  #: number of steps whose complementarity problem was not solved exactly
+    fused_step: int = -1  #: step at which the support fused; -1 if it did not
 
 
 @dataclass(frozen=True, kw_only=True)

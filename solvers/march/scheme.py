@@ -5,8 +5,8 @@ from typing import Any
 
 from bladewhirl.models.case.analysis import SCHEMES, SchemeName
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.march.lost_blades import LossOfBlades
 from bladewhirl.solvers.march.march import Scheme
+from bladewhirl.solvers.march.sudden_changes import SuddenChanges
 
 
 def make_scheme(
@@ -26,8 +26,8 @@ def make_scheme(
     Raises:
         ValueError: the time step is too long.
     """
-    if problem.loss is not None:
-        return LossOfBlades(problem, time_step, record_every)
+    if problem.loss is not None or problem.fuse is not None:
+        return SuddenChanges(problem, time_step, record_every)
     module, _, scheme = SCHEMES[name].partition(":")
     made: Scheme[Any] = getattr(import_module(module), scheme)(problem, time_step, record_every)
     return made

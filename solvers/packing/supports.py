@@ -5,7 +5,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.structs import Arrays, Struct, zeros
+from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned_copy, zeros
 from bladewhirl.solvers.packing.arrangement import Arrangement
 
 
@@ -97,3 +97,16 @@ def _springs_between(
         "rotor": ends[0],
         "casing": ends[1],
     }
+
+
+def pack_fuse(problem: ContactProblem, arrangement: Arrangement) -> Struct | None:
+    """Return the support of the centre that fuses; None without one."""
+    fuse = problem.fuse
+    if fuse is None:
+        return None
+    return Struct(
+        "Fuse",
+        force=arrangement.pack(fuse.force),
+        constant=aligned_copy(fuse.constant),
+        limit=fuse.limit,
+    )

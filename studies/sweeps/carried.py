@@ -111,8 +111,8 @@ def carry_fault(case: Case) -> str:
     that completes "expected ..."; an empty text if it can."""
     if case.casing.coating is not None or case.casing.closure is not None:
         return "a casing without casing.coating and casing.closure, which change with time"
-    if case.blade_loss is not None:
-        return "a case without [blade_loss]"
+    if case.blade_loss is not None or case.shaft.fuse_force is not None:
+        return "a case without [blade_loss] and shaft.fuse_force"
     return ""
 
 

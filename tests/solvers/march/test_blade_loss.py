@@ -20,9 +20,9 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
-from bladewhirl.solvers.march.lost_blades import LossOfBlades
 from bladewhirl.solvers.march.march import Chunk, KernelState
 from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.sudden_changes import Phase, SuddenChanges
 from bladewhirl.studies.verification.bodies import ledger_residual
 
 ALL_MODES = {
@@ -208,10 +208,10 @@ def test_momentum_and_energy_of_both_parts_are_those_before(effects: str) -> Non
     stage = stage_of(rotation__effects=effects)
     problem, full = contact_problem(stage), FullOrder(stage)
     assert problem.loss is not None
-    scheme = LossOfBlades(problem, 1e-6, 100)
+    scheme = SuddenChanges(problem, 1e-6, 100)
     state, _, _ = scheme.advance(scheme.init(), 7000)
-    at = KernelState(step=state.step, arrays=state.before)
-    start, _ = scheme._motion(at)
+    at = KernelState(step=state.step, arrays=state.arrays["whole"])
+    start, _ = scheme.motion(Phase(problem, "whole", 1e-6, 100), at)
     shapes = stage.reduction.modes.shapes
     u, v = shapes @ start.rotor, shapes @ start.rotor_velocity
     rest_of = shapes @ problem.loss.extension @ problem.loss.restriction
@@ -426,8 +426,10 @@ def test_a_resumed_march_with_a_loss_is_the_same() -> None:
         other = make_scheme(problem, 1e-6, 100)
         stored = state_from(other.init(), state_arrays(half))
         rest = other.advance(stored, 15001 - stop)[0]
-        np.testing.assert_array_equal(rest.after["rotor"][:2], whole.after["rotor"][:2])
-        np.testing.assert_array_equal(rest.after["work"], whole.after["work"])
+        np.testing.assert_array_equal(
+            rest.arrays["lost"]["rotor"][:2], whole.arrays["lost"]["rotor"][:2]
+        )
+        np.testing.assert_array_equal(rest.arrays["lost"]["work"], whole.arrays["lost"]["work"])
 
 
 @pytest.mark.parametrize(
