@@ -39,7 +39,7 @@ def with_fused_support(stage: Stage, problem: ContactProblem) -> ContactProblem:
         grown = static_displacement(turning.matrices, turning.omega)
         place = grown[stage.disk.centre]
     before, after = np.array(shaft.stiffnesses), np.full(2, shaft.fused_stiffness)
-    fused = _with_fuse(problem, before, after, place, shaft.fuse_force)
+    fused = with_fuse(problem, before, after, place, shaft.fuse_force)
     assert fused.fuse is not None
     start = fused.fuse.constant + fused.fuse.force @ problem.start.rotor
     if not np.hypot(*start) < shaft.fuse_force:
@@ -48,7 +48,7 @@ def with_fused_support(stage: Stage, problem: ContactProblem) -> ContactProblem:
     return fused
 
 
-def _with_fuse(
+def with_fuse(
     problem: ContactProblem,
     before: FloatArray,
     after: FloatArray,
@@ -73,7 +73,7 @@ def _with_fuse(
     loads = (*problem.loads, lacking) if lacking.rotor.any() else problem.loads
     fused = _in_modes(replace(problem, loads=loads), square, ways)
     if loss is not None:
-        remains = _with_fuse(loss.after, before, after, place, limit)
+        remains = with_fuse(loss.after, before, after, place, limit)
         assert remains.fuse is not None
         other = remains.fuse.extension
         lost = LostBlades(

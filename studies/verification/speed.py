@@ -7,16 +7,29 @@ In static axes a rotor of masses z = x + i y with unbalances m e follows
 which is known in closed form for one mass at constant acceleration, and otherwise integrated here.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.linalg as la
 from scipy.integrate import solve_ivp
 from scipy.special import erf
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, SpeedChange
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    FreeSpeed,
+    Load,
+    SpeedChange,
+)
+from bladewhirl.models.stage.fused_support import with_fuse
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.verification.bodies import (
     marched,
+    point_mass,
     problem,
     small_rotor,
     wall,
@@ -181,3 +194,90 @@ def two_critical_speeds() -> Pair:
     moved = [chunk.rotor_displacement @ given.rotor.centre.T for chunk in (coarse, fine)]
     better = (4.0 * moved[1] - moved[0]) / 3.0
     return np.column_stack([exact.real, exact.imag]), better
+
+
+@verifies()
+def braked_disk() -> Pair:
+    """Compare the speed of a rigid disk that friction brakes with that after the angular impulse of
+    friction, the sum of friction coefficient times radius times normal impulse."""
+    friction, inertia = 0.2, 0.5
+    body = point_mass(2.0, 300.0)
+    start = {"rotor": np.zeros(1), "rotor_velocity": np.ones(1)}
+    given = problem(body, wall(0.0), start=start, speed=50.0, friction=friction)
+    course = SpeedCourse.through([0.0], [50.0], 0.0)
+    drive = FreeSpeed(inertia=inertia)
+    given = replace(given, change=SpeedChange(course=course), drive=drive)
+    chunk = marched(given, 1e-5, 20_000, every=100)
+    braked = friction * body.tip_radius / inertia * np.cumsum(chunk.contact_impulse[:, 0])
+    return 50.0 - braked, chunk.rotation_speed
+
+
+@verifies()
+def momentum_of_free_masses() -> Pair:
+    """Compare the angular momentum of five masses that spin freely with that at the start."""
+    mass, stiffness, unbalance = five_masses()
+    course = SpeedCourse.through([0.0], [260.0], 0.0)
+    given = masses_on_springs(mass, stiffness, unbalance, course)
+    still = np.zeros(len(given.rotor.frequency))
+    drive = FreeSpeed(
+        inertia=0.02,
+        along=sum((load.by_square * load.rotor for load in given.loads), still),
+        across=sum((-load.by_acceleration * load.rotor for load in given.loads), still),
+    )
+    chunk = marched(replace(given, drive=drive), 2e-5, 50_000, every=500)
+    momentum = chunk.angular_momentum
+    return np.full_like(momentum, momentum[0]), momentum
+
+
+@verifies()
+def fused_springs() -> Pair:
+    """Compare a mass on springs that fuse with its motion in closed form before and after."""
+    mass, before, after, rate, limit, dt = 2.0, 8e5, 1e5, 3.0, 2e3, 1e-6
+    fast, slow = np.sqrt(before / mass), np.sqrt(after / mass)
+    centre = np.eye(2) / np.sqrt(mass)
+    rotor = small_rotor(np.full(2, fast), tip_radial=centre[:1], centre=centre)
+    start = {"rotor": np.zeros(2), "rotor_velocity": np.array([np.sqrt(mass) * rate, 0.0])}
+    given = problem(rotor, wall(1e3), start=start)
+    springs = (np.full(2, before), np.full(2, after), np.zeros(2))
+    chunk = marched(with_fuse(given, *springs, limit), dt, 60_000, every=500)
+    instant = np.arcsin(limit / before * fast / rate) / fast
+    instant = dt * np.ceil(instant / dt)  # the step that follows
+    place, velocity = rate / fast * np.sin(fast * instant), rate * np.cos(fast * instant)
+    since = chunk.time - instant
+    later = place * np.cos(slow * since) + velocity / slow * np.sin(slow * since)
+    exact = np.where(since < 0.0, rate / fast * np.sin(fast * chunk.time), later)
+    return exact, chunk.rotor_displacement @ given.rotor.centre[0]
+
+
+@verifies()
+def place_after_a_loss() -> Pair:
+    """Compare the steady displacement of the shaft after the loss of a blade, far above the
+    critical speed, with that of a rigid disk on springs: e Omega^2 / (Omega^2 - omega^2) with the
+    eccentricity e of what remains."""
+    stiffness, speed = 4e4, 80.0
+    blade = {"length": 0.2, "root": 0.3, "area": 1e-3, "density": 7800.0}
+    changes = {
+        "bladed_disk.blades": 13,
+        "bladed_disk.elements_per_blade": 3,
+        "bladed_disk.disk_radius": blade["root"],
+        "bladed_disk.disk.thickness": 0.1,
+        "reduction.fixed_interface_modes": 110,
+        "rotation.effects": "full",
+        "excitation": {"type": "none"},
+        "shaft.stiffness": stiffness,
+        "casing.clearance": 0.05,
+        "march.speed": f"{speed} rad/s",
+        "march.time_step": 2e-7,
+        "march.record_step": 1e-5,
+        "blade_loss": {"blade": 4, "time": 0.01},
+    }
+    stage = build_stage(with_values(Case(), changes))
+    loss = contact_problem(stage).loss
+    assert loss is not None
+    rotor = loss.after.rotor
+    force = np.sum([load.rotor for load in loss.after.loads], axis=0)
+    moved = float(np.hypot(*(rotor.centre @ (force / rotor.stiffness))))
+    lost = blade["length"] * blade["area"] * blade["density"]
+    mass = stage.disk.model.mass - lost
+    arm = blade["root"] + 0.5 * blade["length"]
+    return lost * arm * speed**2 / (mass * speed**2 - stiffness), moved
