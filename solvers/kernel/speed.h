@@ -86,36 +86,6 @@ static void rotate_steadily(March *m, int64_t step)
                              .now = n->speed};
 }
 
-/* Store K_1 x in `stiffened` for a cyclic rotor whose blocks X are zero and left out. */
-static void direct_product(const Rotor *rotor, const ModalMatrix *matrix, const double *x,
-                           double *stiffened)
-{
-    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
-    const double *at = matrix->blocks.at;
-    for (int64_t h = 0; h < half; h += HALF)
-        for (int64_t m = 0; m < rows; m += ROWS) {
-            Half to_cosine[ROWS], to_sine[ROWS];
-            for (int k = 0; k < ROWS; k++)
-                to_cosine[k] = to_sine[k] = half_splat(0.0);
-            for (int64_t n = 0; n < rows; n++, at += ROWS * HALF) {
-                Half cosine = half_load(x + n * columns + h);
-                Half sine = half_load(x + n * columns + half + h);
-                for (int k = 0; k < ROWS; k++) {
-                    Half own = half_load(at + k * HALF);
-                    to_cosine[k] = half_muladd(own, cosine, to_cosine[k]);
-                    to_sine[k] = half_muladd(own, sine, to_sine[k]);
-                }
-            }
-            for (int k = 0; k < ROWS; k++)
-                if (m + k < rows) {
-                    half_store(stiffened + (m + k) * columns + h, to_cosine[k]);
-                    half_store(stiffened + (m + k) * columns + half + h, to_sine[k]);
-                }
-        }
-    for (int64_t k = 0; k < matrix->rest.size; k++)
-        stiffened[matrix->to.at[k]] += matrix->rest.at[k] * x[matrix->by.at[k]];
-}
-
 /* Compute K_1 x_n, and the force due to the change of the speed: that of K_1 and that of G, which
  * acts on the acceleration and on the part of the speed that the inverse of A lacks. */
 static void speed_forces(March *m)
@@ -128,11 +98,10 @@ static void speed_forces(March *m)
     double late = 2.0 * (r->now - r->centre) / m->stage.numbers->time_step;
     int steady = late == 0.0 && r->acceleration == 0.0;
     int changed = m->stage.drive || r->square[0] != 0.0 || r->square[1] != 0.0;
-    if (!speed->direct || !changed)
-        for (int64_t i = 0; i < x.entries; i += LANES)
-            store(stiffened + i, splat(0.0));
-    if (speed->direct && changed)
-        direct_product(m->stage.rotor, &speed->stiffening, x.now, stiffened);
+    for (int64_t i = 0; i < x.entries; i += LANES)
+        store(stiffened + i, splat(0.0));
+    if (changed && speed->direct)
+        blocks_product(m->stage.rotor, &speed->stiffening, x.now, stiffened, stiffened, 0);
     else if (changed)
         add_product(m->stage.rotor, &speed->stiffening, x.entries, x.now, stiffened, stiffened);
     Lanes by_old = splat(late), by_now = splat(-r->acceleration - late), by = splat(-r->square[1]);

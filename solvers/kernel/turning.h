@@ -110,9 +110,9 @@ static void add_full(const ModalMatrix *matrix, int64_t copy, int64_t modes, con
 }
 
 /* Store `from` plus the product of a matrix and f of a cyclic rotor in `out`, ROWS rows of cosine
- * and sine modes at a time. */
-static void add_blocks(const Rotor *rotor, const ModalMatrix *g, const double *f,
-                       const double *from, double *out)
+ * and sine modes at a time. `crossing` is 0 if the blocks X are zero and left out. */
+static inline void blocks_product(const Rotor *rotor, const ModalMatrix *g, const double *f,
+                                  const double *from, double *out, int crossing)
 {
     int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
     const double *at = g->blocks.at;
@@ -121,14 +121,17 @@ static void add_blocks(const Rotor *rotor, const ModalMatrix *g, const double *f
             Half to_cosine[ROWS], to_sine[ROWS];
             for (int k = 0; k < ROWS; k++)
                 to_cosine[k] = to_sine[k] = half_splat(0.0);
-            for (int64_t n = 0; n < rows; n++, at += 2 * ROWS * HALF) {
+            for (int64_t n = 0; n < rows; n++, at += (1 + crossing) * ROWS * HALF) {
                 Half cosine = half_load(f + n * columns + h);
                 Half sine = half_load(f + n * columns + half + h);
                 Half minus = half_sub(half_splat(0.0), cosine);
                 for (int k = 0; k < ROWS; k++) {
-                    Half own = half_load(at + k * HALF), across = half_load(at + (ROWS + k) * HALF);
+                    Half own = half_load(at + k * HALF);
                     to_cosine[k] = half_muladd(own, cosine, to_cosine[k]);
                     to_sine[k] = half_muladd(own, sine, to_sine[k]);
+                    if (!crossing)
+                        continue;
+                    Half across = half_load(at + (ROWS + k) * HALF);
                     to_cosine[k] = half_muladd(across, sine, to_cosine[k]);
                     to_sine[k] = half_muladd(across, minus, to_sine[k]);
                 }
@@ -149,7 +152,7 @@ static void add_product(const Rotor *rotor, const ModalMatrix *matrix, int64_t e
                         const double *f, const double *from, double *out)
 {
     if (rotor->half > 0) {
-        add_blocks(rotor, matrix, f, from, out);
+        blocks_product(rotor, matrix, f, from, out, 1);
         return;
     }
     int64_t columns = matrix->full.columns, copies = entries / columns;
