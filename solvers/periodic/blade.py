@@ -1,4 +1,4 @@
-"""A structure with massless contact nodes in a rigid wall, and its responses on a grid of instants.
+"""A structure with massless contact nodes in a wall, and its responses on a grid of instants.
 
 The displacements u of the contact nodes and the forces f on them satisfy u = P q + C f and
 q'' + D q' + W^2 q = P^T f + loads. All that drives the motion, the wall and the loads, has the
@@ -13,6 +13,8 @@ y_{i+1} = E y_i + G0 f_i + G1 f_{i+1}. Because motions are periodic, y_i is (1 -
 sum of E^j (G0 f_{i-j-1} + G1 f_{i-j}) for 0 <= j < n, to which sums of 1, 2, 4, ... terms lead. In
 contrast to a trigonometric interpolation, forces have no effect on instants before them, and a
 Newton method finds motions with many contact nodes more often.
+
+The wall is rigid, or a uniform ring, whose response to the same forces is added, see `ring`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -27,15 +29,18 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import companion
 from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, Load, around_wall
+from bladewhirl.solvers.periodic.ring import Ring
 
 DIRECTIONS = 3  #: radial, tangential, axial
 SEEN = 1e-9  #: harmonics of the clearance below this fraction of the largest are rounding errors
 WHOLE = 1e-9  #: largest distance of the order of a load from a whole number
+ALIKE = 1e-6  #: largest relative difference of properties of equal blades
+RIGID = 1e-6  #: frequency below which a mode of the casing is rigid, relative to the highest
 
 
 @dataclass(frozen=True, kw_only=True)
 class Blade:
-    """A structure in a rigid wall, both driven with the period of a turn divided by `lobes`."""
+    """A structure in a wall, both driven with the period of a turn divided by `lobes`."""
 
     stiffness: FloatArray  #: squared frequencies W^2 [rad2/s2], (modes,)
     damping: FloatArray  #: matrix D of the forces due to velocities [1/s], (modes, modes)
@@ -54,6 +59,8 @@ class Blade:
     friction: float  #: Coulomb friction coefficient
     full: bool  #: whether friction opposes the slip velocity; otherwise the rotation
     lobes: int  #: number of periods in a turn
+    ring: Ring | None = None  #: the wall if it is flexible
+    copies: int = 1  #: number of equal blades in the ring, at equal angles
 
     @classmethod
     def of_problem(cls, problem: ContactProblem, copy: int = 0) -> "Blade":
@@ -70,11 +77,11 @@ class Blade:
         assert nodes.compliance is not None
         loads: dict[int, ComplexArray] = {}
         for load in problem.loads:
-            if load.end == NEVER:
+            if lasts(load) and load.rotor.any():
                 order, force = _of_order(load, problem.speed)
                 loads[order] = loads.get(order, 0.0) + force.reshape(rotor.copies, -1)[copy]
         loads = {order: force for order, force in loads.items() if np.any(force)}
-        clearance = problem.clearance(NEVER)
+        clearance = problem.clearance(NEVER) + _static(problem)
         lobes = gcd(*_harmonics(clearance[:, 0]), *loads)
         if not lobes:
             raise ValueError(
@@ -96,6 +103,8 @@ class Blade:
             friction=problem.friction,
             full=problem.sliding == "full",
             lobes=lobes,
+            ring=Ring.of_casing(problem.casing) if problem.casing.is_flexible else None,
+            copies=rotor.copies if problem.casing.is_flexible else 1,
         )
 
     @property
@@ -129,7 +138,7 @@ def _obstacles(problem: ContactProblem) -> Iterable[str]:
     if rotor.nodes is None or rotor.nodes.compliance is None:
         yield 'contact nodes have mass; expected reduction.boundary = "massless"'
     if problem.casing.is_flexible:
-        yield 'the casing is flexible; expected casing.type = "rigid"'
+        yield from _obstacles_in_ring(problem)
     if problem.coating is not None:
         yield "the coating wears, so that no motion is periodic; remove casing.coating"
     if problem.tip_rotation:
@@ -140,6 +149,52 @@ def _obstacles(problem: ContactProblem) -> Iterable[str]:
         yield "springs or dampers in the static frame couple harmonics"
     if problem.speed == 0.0:
         yield "the speed is 0, so that the motion has no period"
+
+
+def _obstacles_in_ring(problem: ContactProblem) -> Iterable[str]:
+    """Yield reasons why the blades of a problem in a flexible casing do not follow one another."""
+    rotor, casing = problem.rotor, problem.casing
+    if np.any(casing.column < 0) or len(casing.dampers):
+        yield "the flexible casing is not uniform; expected no struts, stiffeners and dampers"
+    if casing.frequency.min() <= RIGID * casing.frequency.max():
+        yield "a mode of the flexible casing has no stiffness; expected casing.support"
+    if any(load.frequency != 0.0 and load.casing.any() for load in problem.loads if lasts(load)):
+        yield "a load on the flexible casing varies with time"
+    turn = 2.0 * np.pi * np.arange(rotor.copies)[:, None] / rotor.copies
+    apart = rotor.by_copy(rotor.tip_angle) - rotor.tip_angle[: len(rotor.tip_radial)] - turn
+    if np.abs(np.sin(0.5 * apart)).max() > ALIKE:
+        yield "the blades in a flexible casing are not at equal angles"
+    assert rotor.nodes is not None
+    own = [rotor.by_copy(rotor.frequency), rotor.by_copy(rotor.damping_ratio)]
+    if rotor.nodes.compliance is not None:
+        own.append(rotor.nodes.compliance)
+    if any(np.abs(each - each[0]).max() > ALIKE * np.abs(each).max() for each in own):
+        yield "the blades in a flexible casing differ; expected no mistuning"
+    for load in filter(lasts, problem.loads):
+        order, force = _of_order(load, problem.speed)
+        each = force.reshape(rotor.copies, -1)
+        following = each[0] * np.exp(1j * order * turn * np.sign(problem.speed))
+        if np.abs(each - following).max() > ALIKE * np.abs(force).max():
+            yield "a load on the blades in a flexible casing is not fixed in space"
+
+
+def lasts(load: Load) -> bool:
+    """Return whether a load has no end."""
+    return load.end == NEVER
+
+
+def _static(problem: ContactProblem) -> FloatArray:
+    """Return radial displacement and slope of the casing under constant loads, (nodes, 2)."""
+    casing = problem.casing
+    pushed = [
+        load.casing * np.cos(load.phase)
+        for load in problem.loads
+        if lasts(load) and load.casing.any()
+    ]
+    if not pushed:
+        return np.zeros((len(casing.nodal), 2))
+    modal = np.sum(pushed, axis=0) / casing.frequency**2
+    return np.asarray(casing.nodal[:, :2] @ modal)
 
 
 def _of_order(load: Load, speed: float) -> tuple[int, ComplexArray]:
@@ -162,9 +217,9 @@ def _harmonics(clearance: FloatArray) -> list[int]:
     ).tolist()
 
 
-ARRAYS = tuple(
-    name for name in Blade.__annotations__ if name not in ("full", "lobes", "wall_step", "loads")
-)
+FIXED = ("full", "lobes", "wall_step", "copies")
+"""Fields of a blade that do not depend on a parameter, without the ring."""
+ARRAYS = tuple(name for name in Blade.__annotations__ if name not in (*FIXED, "loads", "ring"))
 """Fields of a blade that can depend linearly on a parameter, without the loads."""
 
 
@@ -182,9 +237,9 @@ def between(one: Blade, other: Blade, share: float) -> Blade:
 
 def comparable(one: Blade, other: Blade) -> bool:
     """Return whether two blades differ in no other properties than those that `between` mixes."""
-    fixed = ("full", "lobes", "wall_step")
     return (
-        all(getattr(one, name) == getattr(other, name) for name in fixed)
+        all(getattr(one, name) == getattr(other, name) for name in FIXED)
+        and (one.ring is other.ring or (one.ring is not None and one.ring.equals(other.ring)))
         and all(np.shape(getattr(one, name)) == np.shape(getattr(other, name)) for name in ARRAYS)
         and one.loads.keys() == other.loads.keys()
     )
@@ -289,17 +344,47 @@ class Grid:
         return states
 
     @cached_property
+    def _ring(self) -> ComplexArray:
+        """Displacements and velocities of the nodes relative to a flexible wall that move away from
+        it by forces on the nodes, by harmonic, (2, instants / 2 + 1, 3n, 3n)."""
+        blade = self.blade
+        assert blade.ring is not None
+        found = blade.ring.answers(
+            blade.lobes, blade.speed, blade.copies, blade.angle, self.instants
+        )
+        wide = np.zeros((*found.shape[:2], *blade.compliance.shape), dtype=np.complex128)
+        inside = np.flatnonzero(np.arange(len(blade.compliance)) % DIRECTIONS < 2)
+        wide[:, :, inside[:, None], inside] = found
+        return wide
+
+    def against_ring(self, force: FloatArray) -> FloatArray:
+        """Return displacements and velocities of the nodes relative to a flexible wall that follow
+        from the motion of the wall under contact forces, (2, instants, 3 * nodes); zeros for a
+        rigid wall."""
+        if self.blade.ring is None or not force.any():
+            return np.zeros((2, *force.shape))
+        spectrum = self._ring @ np.fft.rfft(force, axis=0)[..., None]
+        return np.fft.irfft(spectrum[..., 0], self.instants, axis=1)
+
+    def _wall_pulse(self, which: int) -> FloatArray | float:
+        """Return `against_ring` for a unit force at the first instant, (instants, 3n, 3n)."""
+        if self.blade.ring is None:
+            return 0.0
+        return np.fft.irfft(self._ring[which], self.instants, axis=0)
+
+    @cached_property
     def by_force(self) -> FloatArray:
-        """Displacements for a unit force at the first instant [m/N], (instants, 3n, 3n)."""
-        moved = self.to_nodes[0] @ self._pulse
+        """Displacements relative to the wall for a unit force at the first instant [m/N],
+        (instants, 3n, 3n)."""
+        moved = self.to_nodes[0] @ self._pulse + self._wall_pulse(0)
         moved[0] += self.blade.compliance
         return np.asarray(moved)
 
     @cached_property
     def rate_by_force(self) -> FloatArray:
-        """Velocities for a unit force at the first instant [m/(N s)], (instants, 3n, 3n). C f is
-        differentiated by backward differences, as in the march."""
-        rate = self.to_nodes[1] @ self._pulse
+        """Velocities relative to the wall for a unit force at the first instant [m/(N s)],
+        (instants, 3n, 3n). C f is differentiated by backward differences, as in the march."""
+        rate = self.to_nodes[1] @ self._pulse + self._wall_pulse(1)
         rate[0] += self.blade.compliance / self.step
         rate[1] -= self.blade.compliance / self.step
         return np.asarray(rate)
@@ -356,11 +441,12 @@ class Grid:
         return np.asarray(self.wall - self._free[0] @ self.blade.contact[::DIRECTIONS].T)
 
     def slip(self, force: FloatArray, modes: FloatArray) -> FloatArray:
-        """Return tangential and axial slip velocities under contact forces, with the motion of the
-        modes of `modes` [m/s], (instants, nodes, 2)."""
+        """Return tangential and axial slip velocities on the wall under contact forces, with the
+        motion of the modes of `modes` [m/s], (instants, nodes, 2)."""
         blade = self.blade
         change = (force - np.roll(force, 1, axis=0)) / self.step
         velocity = modes[1] @ blade.contact.T + change @ blade.compliance.T
+        velocity = velocity + self.against_ring(force)[1]
         slip = velocity.reshape(self.instants, -1, DIRECTIONS)[..., 1:].copy()
         slip[..., 0] += blade.speed * blade.radius
         return np.asarray(slip)

@@ -77,7 +77,8 @@ class Motion:
     @cached_property
     def gap(self) -> FloatArray:
         """Gaps [m]."""
-        return np.asarray(self.grid.wall - self.displacement[:, ::DIRECTIONS] + self.offset)
+        moved = self.displacement + self.grid.against_ring(self.force)[0]
+        return np.asarray(self.grid.wall - moved[:, ::DIRECTIONS] + self.offset)
 
     @cached_property
     def slip(self) -> FloatArray:

@@ -24,11 +24,10 @@ from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     ReducedCasing,
     ReducedRotor,
-    around_wall,
 )
 from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.ring import Ring
 
-PER_ELEMENT = 8  #: angles per element at which shapes of the casing are expanded
 CHANGES = 200  #: largest number of changes of the set of tips in contact
 ROUND = 1e-6  #: largest variation of a clearance that counts as round
 
@@ -132,23 +131,5 @@ def _ring(casing: ReducedCasing, speed: float, angle: FloatArray, way: float) ->
     """Return radial displacements of the casing at tips for normal forces on tips, (tips, tips)."""
     if not casing.is_flexible:
         return np.zeros((len(angle), len(angle)))
-    count = PER_ELEMENT * len(casing.nodal)
-    around = 2.0 * np.pi / count * np.arange(float(count))
-    radial, tangential = (
-        np.fft.fft(
-            [
-                around_wall(casing.nodal[:, rows, mode], casing.element_length, around)
-                for mode in range(len(casing.frequency))
-            ],
-            axis=1,
-        )
-        / count
-        for rows in (slice(0, 2), slice(2, 4))
-    )
-    order = np.fft.fftfreq(count, 1.0 / count)
-    w = -order * speed
-    own = casing.frequency[:, None]
-    response = 1.0 / (own**2 - w**2 + 2j * casing.damping_ratio[:, None] * own * w)
-    harmonic = (radial * (radial + way * tangential).conj() * response).sum(axis=0)
-    apart = angle[:, None] - angle
-    return np.asarray((np.exp(1j * apart[..., None] * order) @ harmonic).real)
+    answer = Ring.of_casing(casing).between(speed, angle[:, None] - angle)
+    return answer[..., 0, 0] + way * answer[..., 0, 1]

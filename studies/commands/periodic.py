@@ -29,7 +29,7 @@ def periodic(
     json: options.AsJson = False,
     overrides: options.Changes = None,
 ) -> None:
-    """Compute periodic motions of a 3D blade that rubs on a rigid wall, without time integration.
+    """Compute periodic motions of a 3D blade that rubs on a wall, without time integration.
 
     The motion has the period of the wall and of engine orders, a turn divided by their common
     number of lobes. The table lists its stability: a multiplier is the factor by which a small
@@ -37,7 +37,8 @@ def periodic(
     be more than one periodic motion, and the one that is found is not always that of a march from
     rest. A speed without contact, or at which no motion is found, is reported after the others, and
     the exit code is 2. The case needs a superelement of the kind "blade" with massless contact
-    nodes in a rigid wall. With --json and no -o nothing is written.
+    nodes, in a rigid wall or in a uniform flexible casing, in which equal blades follow one
+    another. With --json and no -o nothing is written.
 
     With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
     constant in rotating axes; its forces and the radius of the shaft are computed, not its
@@ -53,7 +54,8 @@ def periodic(
             speed of the case.
         over: Key of the case and its range, such as march.speed=5000rpm:9000rpm or
             "casing.clearance=0.4 mm:0.3 mm"; the branch begins at START.
-        blade: Number of the blade; blades do not influence each other.
+        blade: Number of the blade; in a rigid wall blades do not influence each other, in a flexible
+            casing all have the same motion one after another.
         points: Number of the longest steps from START to STOP, 50 by default; steps are shorter
             where forces change.
         origin: Folder of a run, whose last period gives the first motion of the branch, or of

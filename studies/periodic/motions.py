@@ -65,8 +65,8 @@ def periodic(
     blade: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
-    """Compute the periodic motion of a 3D blade that rubs on a rigid wall, without time
-    integration, and its stability.
+    """Compute the periodic motion of a 3D blade that rubs on a rigid wall or a uniform flexible
+    casing, without time integration, and its stability.
 
     The equations are those of the time integration with massless contact nodes. The motion has the
     period of the wall and of the engine orders, a turn divided by their common number of lobes.
@@ -80,11 +80,13 @@ def periodic(
     `centre` [m] and `impulse_per_revolution`; the stability is not computed.
 
     Args:
-        case_or_stage: a case with a superelement of the kind "blade" in a rigid wall, or with an
+        case_or_stage: a case with a superelement of the kind "blade" in a rigid wall or, with equal
+            blades at equal angles, in a uniform flexible casing; or with an
             imbalance and a round wall, or its stage.
         speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
             rpm"; by default the speed of the case.
-        blade: number of the blade; blades do not influence each other.
+        blade: number of the blade; in a rigid wall blades do not influence each other, in a flexible
+            casing all have the same motion one after another.
         progress: called with the numbers of speeds done and in total.
 
     Returns:

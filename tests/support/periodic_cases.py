@@ -2,9 +2,11 @@
 
 from typing import Any
 
+import numpy as np
 from places import ROOT
 
 import bladewhirl as bw
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import marched_stage
 
@@ -52,3 +54,16 @@ def case(**changes: Any) -> bw.Case:
         },
     }
     return bw.with_values(bw.case_from(tables), changes)
+
+
+def decay(state: FloatArray, rate: float = 0.8) -> float:
+    """Larger magnitude of the two multipliers of a sequence of states that decays, by linear
+    prediction, (states, components); `rate` is about this magnitude."""
+    weight = (
+        rate ** -np.arange(len(state) - 1.0)[:, None]
+    )  # late states count as much as early ones
+    early, middle, late = (
+        ((state[:-1] - state[-1]) * weight)[k : k + 26].ravel() for k in (12, 13, 14)
+    )
+    ahead = np.linalg.lstsq(np.stack([middle, early], axis=1), late, rcond=None)[0]
+    return float(rate * np.abs(np.roots([1.0, *-ahead])).max())

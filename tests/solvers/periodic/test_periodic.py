@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import scipy.optimize as so
 from boundary_cases import bladed
-from periodic_cases import twisted_blade
+from periodic_cases import decay, twisted_blade
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade, Grid
@@ -64,16 +63,6 @@ def marched(problem: ContactProblem, motion: Motion, step: float, periods: int) 
     return chunk
 
 
-def slowest(state: FloatArray) -> ComplexArray:
-    """The two multipliers of a sequence of states that decays, by linear prediction."""
-    decay = 0.8 ** -np.arange(len(state) - 1.0)[:, None]  # late states count as much as early ones
-    early, middle, late = (
-        ((state[:-1] - state[-1]) * decay)[k : k + 26].ravel() for k in (12, 13, 14)
-    )
-    ahead = np.linalg.lstsq(np.stack([middle, early], axis=1), late, rcond=None)[0]
-    return np.asarray(0.8 * np.roots([1.0, *-ahead]))
-
-
 @pytest.mark.parametrize(
     ("speed", "sliding", "friction", "closure"),
     [
@@ -96,8 +85,7 @@ def test_a_blade_in_an_oval_wall_moves_as_in_a_march(
     leading = monodromy(motion)
     assert leading.stable
     state = np.hstack([chunk.rotor_displacement * problem.rotor.frequency, chunk.rotor_velocity])
-    decay = np.abs(slowest(state)).max()
-    assert np.abs(leading.multipliers[0]) == pytest.approx(decay, abs=5e-3)
+    assert np.abs(leading.multipliers[0]) == pytest.approx(decay(state), abs=5e-3)
 
 
 def test_a_large_rub_that_only_a_branch_finds_is_that_of_a_march() -> None:

@@ -118,3 +118,22 @@ def test_refusals(tmp_path: Path, words: Any, message: str) -> None:
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(case()))
     assert message in refusal("periodic", file, *words, "-o", tmp_path / "out")
+
+
+def test_a_branch_of_blades_in_a_flexible_ring() -> None:
+    ring = {
+        "casing.type": "ring",
+        "casing.support": "20 N/mm2",
+        "casing.wall": {"width": "60 mm", "thickness": "8 mm"},
+        "bladed_disk.superelement.copies": 2,
+        "damping.ratio": 0.05,
+    }
+    own = case(**ring)
+    data = bw.branch(own, "march.speed", "7000 rpm", "7040 rpm", points=2, instants=64)
+    assert data.attrs["ended"] == "reaches march.speed = 7040 rpm"
+    alone = bw.periodic(own).isel(speed=0)
+    assert float(data["impulse_per_revolution"][0]) == pytest.approx(
+        float(alone["impulse_per_revolution"]), rel=2e-2
+    )
+    largest = np.hypot(data["multiplier_real"], data["multiplier_imaginary"])[0].max()
+    assert float(largest) == pytest.approx(float(abs(alone["multipliers"][0])), abs=0.03)
