@@ -81,11 +81,11 @@ class _Structure:
         blocks = [
             _Blocks(
                 np.repeat(carried[None], copies, axis=0),
-                np.kron(every, early),
-                np.kron(every, late),
-                np.kron(every, place),
-                np.kron(every, velocity),
-                np.kron(ahead, np.eye(len(carried))),
+                _kron(every, early),
+                _kron(every, late),
+                _kron(every, place),
+                _kron(every, velocity),
+                _kron(ahead, np.eye(len(carried))),
             )
         ]
         if blade.ring is not None:
@@ -99,8 +99,8 @@ class _Structure:
 
         return cls(
             blocks=blocks,
-            compliance=np.kron(every, blade.compliance),
-            passed=np.kron(ahead, np.eye(len(blade.compliance))),
+            compliance=_kron(every, blade.compliance),
+            passed=_kron(ahead, np.eye(len(blade.compliance))),
             normal=everywhere(motion.normal),
             angle=everywhere(motion.angle),
             ways=everywhere(motion.ways),
@@ -128,6 +128,11 @@ class _Structure:
             moved.append((np.linalg.matrix_power(carried, steps) @ part).reshape(count * size, -1))
             first += count * size
         return np.concatenate(moved)
+
+
+def _kron(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the Kronecker product."""
+    return np.asarray(np.kron(one, other), dtype=np.float64)
 
 
 def _of_ring(motion: Motion) -> list[_Blocks]:

@@ -54,8 +54,8 @@ def periodic(
             speed of the case.
         over: Key of the case and its range, such as march.speed=5000rpm:9000rpm or
             "casing.clearance=0.4 mm:0.3 mm"; the branch begins at START.
-        blade: Number of the blade; in a rigid wall blades do not influence each other, in a flexible
-            casing all have the same motion one after another.
+        blade: Number of the blade; in a rigid wall blades do not influence each other, in a
+            flexible casing all have the same motion one after another.
         points: Number of the longest steps from START to STOP, 50 by default; steps are shorter
             where forces change.
         origin: Folder of a run, whose last period gives the first motion of the branch, or of

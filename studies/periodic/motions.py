@@ -85,8 +85,8 @@ def periodic(
             imbalance and a round wall, or its stage.
         speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
             rpm"; by default the speed of the case.
-        blade: number of the blade; in a rigid wall blades do not influence each other, in a flexible
-            casing all have the same motion one after another.
+        blade: number of the blade; in a rigid wall blades do not influence each other, in a
+            flexible casing all have the same motion one after another.
         progress: called with the numbers of speeds done and in total.
 
     Returns:

@@ -45,8 +45,8 @@ def marched(problem: ContactProblem, blade: Blade, step: float, periods: int, re
 
 def impulse_of_last_turn(chunk: Any, records: int) -> FloatArray:
     """Impulse on each of 16 blades in the last turn of two periods."""
-    last: FloatArray = chunk.contact_impulse[-2 * records :].sum(axis=0)
-    return last.reshape(16, -1).sum(axis=1)
+    last = chunk.contact_impulse[-2 * records :].sum(axis=0)
+    return np.asarray(last.reshape(16, -1).sum(axis=1), dtype=np.float64)
 
 
 @pytest.mark.parametrize(
