@@ -19,6 +19,7 @@ from bladewhirl.postprocess.fields.by_blade import (
     of_blades,
 )
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, COATING, body_of
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
@@ -60,7 +61,8 @@ class Picture:
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn contact nodes (contact_node, 2) [m]
     mark: Array  #: drawn mark on the first blade (2,) [m], which shows the rotation
-    hidden: NDArray[np.bool_]  #: whether each contact node, shaft and mark lie behind a part
+    hidden: NDArray[np.bool_]
+    """Whether each contact node, shaft and mark is lost or lies behind a part."""
     symbols: Symbols  #: springs, supports, masses
     forces: Array
     """True contact force on each node (contact_node, 2) [N], as seen in the picture; zero on hidden
@@ -126,6 +128,8 @@ class Drawing:
             (0 * angle, -angle) if rotating else (angle, 0 * angle)
         )
         self._forces = kinematics.contact_forces(dataset, records, rotating=rotating)
+        every_tip = np.zeros((len(every), dataset.sizes["contact_node"]))
+        self._lost = np.isnan(masked(dataset, every_tip)[records])
         per_element = len(stage.angle) // dataset.sizes.get("casing_node", 1)
         self.colouring = colouring(
             dataset, colour, records, Stations(BEAM_STATIONS, per_element), rotating
@@ -180,14 +184,14 @@ class Drawing:
         shape, colours = self._body.shape(index, *turns), self.colouring
         forces = self._forces[index]
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
-        hidden = np.zeros(len(spots), dtype=np.bool_)
+        hidden = np.append(self._lost[index], [False, False])
         if len(shape.surface) and self.around:
             # The wall is cut open in front of the tips, whose nodes lie at its inner face.
             bodies = [(shape.surface, self.triangles)]
             if len(shape.solids) > self._body.walls:
                 bodies.append((shape.solids[-1].points, self.solids[-1].triangles))
             corners = [points[triangles] for points, triangles in bodies]
-            hidden = behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
+            hidden |= behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
         seen = self._body.seen(forces)
         seen[hidden[: len(seen)]] = 0.0
         return Picture(
