@@ -68,16 +68,20 @@ def keep(
     small.save(DOCS / name, optimize=True)
 
 
-def keep_film(film: Path, name: str, colours: int = 64) -> None:
-    """Save a GIF in docs/, reduced to the size `FILM` and a number of colours."""
+def keep_film(film: Path, name: str, colours: int | None = 64) -> None:
+    """Save a GIF in docs/, reduced to the size `FILM` and a number of colours; None keeps the
+    palette, which has the shades of lit surfaces."""
     with Image.open(film) as frames:
         wait = frames.info["duration"]
+        palette = Image.new("P", (1, 1))
+        palette.putpalette(frames.getpalette() or [])
         small = [
             frame.convert("RGB").resize(FILM, Image.Resampling.LANCZOS)
             for frame in ImageSequence.Iterator(frames)
         ]
-    samples = Image.fromarray(np.vstack([np.asarray(frame) for frame in small[::9]]))
-    palette = samples.quantize(colours, method=Image.Quantize.MAXCOVERAGE)  # keeps arrows orange
+    if colours is not None:
+        samples = Image.fromarray(np.vstack([np.asarray(frame) for frame in small[::9]]))
+        palette = samples.quantize(colours, method=Image.Quantize.MAXCOVERAGE)  # arrows stay orange
     first, *rest = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in small)
     first.save(DOCS / name, save_all=True, append_images=rest, duration=wait, loop=0, optimize=True)
 
@@ -120,7 +124,7 @@ def main() -> None:
         bladewhirl("run", EXAMPLES / "bladed_disk.toml", "-o", folder / "disk", "--frames", "0")
         film = ("--frames", str(FRAMES), *HALF, "-o", folder / "disk.gif")
         bladewhirl("render", folder / "disk", "--gif", *film)
-        keep_film(folder / "disk.gif", "contact_3d.gif", COLOURS)  # shades of lit surfaces
+        keep_film(folder / "disk.gif", "contact_3d.gif", None)
         keep(distortion / "energy.png", "distortion_energy.png")
         keep(imbalance / "orbit.png", "imbalance_orbit.png")
         keep(chart / "stability.png", "stability.png")

@@ -54,6 +54,7 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
 
 
 LEVELS, LIT_LEVELS = 90, 56  #: colours of the colour map in a palette, without and with light
+SMOOTHED = (0.25, 0.5, 0.75)  #: shares of colours of letters in the smoothed edges of these
 LIGHTS = (1.0, 0.84, 0.68)  #: brightnesses of lit surfaces in a palette
 
 
@@ -64,7 +65,9 @@ def scene_colours(colouring: Colouring, *, lit: bool) -> Array:
     levels, lights = (LIT_LEVELS, LIGHTS) if lit else (LEVELS, (1.0,))
     field = np.array([to_rgb(colour) for colour in colouring.colours(levels)])
     shades = [light * field for light in lights]
-    return np.vstack([[to_rgb(colour) for colour in fixed], *shades])
+    written = np.array([to_rgb(colour) for colour in (INK, FAINT, FORCE_COLOUR)])
+    edges = [1.0 - share * (1.0 - written) for share in SMOOTHED]
+    return np.vstack([[to_rgb(colour) for colour in fixed], *edges, *shades])
 
 
 def time_text(time: float, step: float) -> str:
