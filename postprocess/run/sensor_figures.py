@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import ABOUT
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
@@ -90,10 +91,12 @@ def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
     Returns:
         Dataset with a variable for each sensor NAME: the amplitude NAME (NAME_order, NAME_time), in
         the unit of the signal. NAME_order is the frequency divided by the frequency of rotation,
-        NAME_time is the middle of each slice [s].
+        NAME_time is the middle of each slice [s]. If the speed varies, the signals are resampled at
+        equal angles of the rotor, so that an order stays an order while the speed changes.
 
     Raises:
-        ViewError: the rotor does not turn, there is no signal over time, or a signal is too short.
+        ViewError: the rotor does not turn, or its sense of rotation changes; there is no signal
+            over time, or a signal is too short.
     """
     turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
     if turns == 0.0:
@@ -102,15 +105,36 @@ def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
     for name, signal, step in _over_time(signals):
         top = max([ORDERS * turns, *(high for _, _, high in _modes(result, "strain"))])
         period = 2.0 * np.pi / float(signals.attrs["reference_frequency"])
-        values = (signal.values - signal.values.mean()).astype(complex)
-        frequency, amplitude, first, size = slices(values, step, period)
-        shown = (frequency >= 0.0) & (frequency <= MARGIN * top)
+        place, values = signal["time"].values, signal.values - signal.values.mean()
+        step, period = turns * step, turns * period  # revolutions
+        if rotation.varies(result):
+            clock = _revolutions(result, place)
+            even = np.linspace(0.0, clock[-1], len(clock))
+            step = even[1]
+            place, values = (np.interp(even, clock, each) for each in (place, values))
+        order, amplitude, first, size = slices(values.astype(complex), step, period)
+        shown = (order >= 0.0) & (order <= MARGIN * top / turns)
         over = (f"{name}_order", f"{name}_time")
         orders[name] = (over, 2.0 * np.abs(amplitude[:, shown]).T, signal.attrs)
-        orders.coords[over[0]] = (over[0], frequency[shown] / turns, {"units": "1"})
-        middle = signal["time"].values[first] + 0.5 * size * step
+        orders.coords[over[0]] = (over[0], order[shown], {"units": "1"})
+        middle = np.interp(first + 0.5 * size, np.arange(len(place)), place)
         orders.coords[over[1]] = (over[1], middle, {"units": "s"})
     return orders
+
+
+def _revolutions(result: xr.Dataset, time: Array) -> Array:
+    """Return the revolutions at times [s], ascending.
+
+    Raises:
+        ViewError: the sense of rotation changes.
+    """
+    passed = rotation.angle_at(result, time) / (2.0 * np.pi)
+    steps = np.diff(passed)
+    if not ((steps > 0.0).all() or (steps < 0.0).all()):
+        raise ViewError(
+            "order tracking: expected a rotor that turns in one sense and does not stop"
+        )
+    return np.asarray(np.abs(passed - passed[0]))
 
 
 def all_blades(signals: xr.Dataset) -> xr.Dataset:

@@ -88,3 +88,24 @@ def test_figures_need_sensors(result: xr.Dataset) -> None:
         RunFigures(timing).draw("order-tracking")
     with pytest.raises(bw.ViewError, match='a gauge with blade = "all"'):
         sensor_figures.all_blades(bw.sensors(result, SENSORS[2:]))
+
+
+def test_orders_stay_orders_while_the_speed_changes(result: xr.Dataset) -> None:
+    time = result["time"].values
+    first, last = 60.0, 100.0
+    speed = np.linspace(first, last, len(time))
+    angle = first * time + 0.5 * (last - first) * time**2 / time[-1]
+    varied = result.assign(rotation_speed=("time", speed), rotation_angle=("time", angle))
+    signals = RunFigures(varied).sensors[["gauge"]].copy(deep=True)
+    sampled = signals["gauge"]
+    at = np.interp(sampled[sampled.dims[0]].values, time, angle)
+    shape = np.cos(3.0 * at).reshape(-1, *(1,) * (sampled.ndim - 1))
+    signals["gauge"] = sampled * 0.0 + shape
+    orders = sensor_figures.sensor_orders(signals, varied)["gauge"]
+    strongest = orders["gauge_order"].values[orders.values.argmax(axis=0)]
+    resolution = np.diff(orders["gauge_order"].values)[0]
+    np.testing.assert_allclose(strongest, 3.0, atol=resolution)
+    np.testing.assert_allclose(orders.values.max(axis=0), 1.0, atol=0.05)
+    stopping = varied.assign(rotation_angle=("time", np.sin(angle)))
+    with pytest.raises(bw.ViewError, match="turns in one sense"):
+        sensor_figures.sensor_orders(signals, stopping)
