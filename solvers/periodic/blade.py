@@ -9,10 +9,11 @@ period T = 2 pi / (p Omega), and each harmonic h with the frequency w = h p Omeg
 On a grid of n instants in a period, responses to forces are cyclic convolutions. Forces are linear
 between instants, and the modes respond exactly: with the transition matrix E of a step and the
 responses G0, G1 to forces that fall or rise linearly in a step, the state y of the modes satisfies
-y_{i+1} = E y_i + G0 f_i + G1 f_{i+1}. Because motions are periodic, y_i is (1 - E^n)^-1 times the
-sum of E^j (G0 f_{i-j-1} + G1 f_{i-j}) for 0 <= j < n, to which sums of 1, 2, 4, ... terms lead. In
-contrast to a trigonometric interpolation, forces have no effect on instants before them, and a
-Newton method finds motions with many contact nodes more often.
+y_{i+1} = E y_i + G0 f_i + G1 f_{i+1}. Because motions are periodic, the harmonic k of y at the
+instants is (z - E)^-1 (G0 + z G1) times that of f with z = exp(2 i pi k / n), and eigenvalues of
+the modes make these matrices diagonal. In contrast to a trigonometric interpolation, forces have no
+effect on instants before them, and a Newton method finds motions with many contact nodes more
+often.
 
 The wall is rigid, or a uniform ring, whose response to the same forces is added, see `ring`.
 """
@@ -20,20 +21,20 @@ The wall is rigid, or a uniform ring, whose response to the same forces is added
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import gcd
+from math import factorial, gcd
 from typing import Any
 
 import numpy as np
-import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.coupling.equations import companion
+from bladewhirl.models.coupling.equations import Matrix, companion
 from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, Load, around_wall
 from bladewhirl.solvers.periodic.ring import Ring
 
 DIRECTIONS = 3  #: radial, tangential, axial
 SEEN = 1e-9  #: harmonics of the clearance below this fraction of the largest are rounding errors
 WHOLE = 1e-9  #: largest distance of the order of a load from a whole number
+SMALL, TERMS = 1e-2, 5  #: eigenvalues of a step for which series are used, and their terms
 ALIKE = 1e-6  #: largest relative difference of properties of equal blades
 RIGID = 1e-6  #: frequency below which a mode of the casing is rigid, relative to the highest
 
@@ -281,29 +282,59 @@ class Grid:
         return float(np.sqrt(np.abs(self.blade.stiffness).max()))
 
     @cached_property
+    def _poles(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Eigenvalues z of a step of independent sets of modes, (sets, size), their vectors in the
+        state (unit q, q') and the inverse of these, (sets, size, size). Modes are independent if
+        the matrix D is diagonal; otherwise there is one set."""
+        blade = self.blade
+        rates = np.diag(blade.damping)
+        if np.count_nonzero(blade.damping - np.diag(rates)):
+            state = companion(-np.diag(blade.stiffness), -blade.damping, self.unit)[None]
+        else:
+            alone = -blade.stiffness[:, None, None], -rates[:, None, None]
+            state = companion(*alone, self.unit)
+        values, vectors = np.linalg.eig(self.step * state)
+        vectors = vectors.astype(np.complex128)
+        return values.astype(np.complex128), vectors, np.linalg.inv(vectors)
+
+    @cached_property
     def transition(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Matrices E, G0, G1 of a step of the state (unit q, q'), (2 * modes, 2 * modes) and twice
         (2 * modes, 3 * nodes)."""
         blade, modes = self.blade, len(self.blade.stiffness)
-        if np.count_nonzero(blade.damping - np.diag(np.diag(blade.damping))):
-            state = companion(-np.diag(blade.stiffness), -blade.damping, self.unit)[None]
-        else:  # modes of one coordinate each
-            pairs = zip(blade.stiffness, np.diag(blade.damping), strict=True)
-            state = np.stack(
-                [companion(np.array([[-k]]), np.array([[-d]]), self.unit) for k, d in pairs]
-            )
-        sets, own = len(state), state.shape[1] // 2
-        wide = np.zeros((sets, 4 * own, 4 * own))
-        wide[:, : 2 * own, : 2 * own] = self.step * state
-        wide[:, own : 2 * own, 2 * own : 3 * own] = self.step * np.eye(own)
-        wide[:, 2 * own : 3 * own, 3 * own :] = np.eye(own)
-        moved = la.expm(wide)[:, : 2 * own].reshape(sets, 2, own, 4, own)
-        full = np.zeros((2, sets, own, 4, sets, own))
-        for n in range(sets):
-            full[:, n, :, :, n] = moved[n]
-        both = full.reshape(2 * modes, 4 * modes)
-        carried, held, ramp = np.split(both, [2 * modes, 3 * modes], axis=1)
-        return carried, (held - ramp) @ blade.contact.T, ramp @ blade.contact.T
+        values, vectors, inverse = self._poles
+        sets, own = len(values), values.shape[1] // 2
+        held, ramp = _held_and_ramp(values)
+
+        def moved(factors: ComplexArray, into: ComplexArray) -> FloatArray:
+            """Return the matrix of a factor for each eigenvalue."""
+            parts = ((vectors * factors[:, None]) @ into).real
+            columns = parts.shape[-1] // own
+            parts = parts.reshape(sets, 2, own, columns, own)
+            full = np.zeros((2, sets, own, columns, sets, own))
+            for n in range(sets):
+                full[:, n, :, :, n] = parts[n]
+            return full.reshape(2 * modes, columns * modes)
+
+        early, late = (
+            self.step * moved(each, inverse[:, :, own:]) @ blade.contact.T
+            for each in (held - ramp, ramp)
+        )
+        return moved(np.exp(values), inverse), early, late
+
+    @cached_property
+    def _answers(self) -> ComplexArray:
+        """Harmonics 0 to instants / 2 of q and q' for those of modal forces, q in the rows and the
+        forces in the columns of each set, (2, sets, size / 2, size / 2, harmonics)."""
+        values, vectors, inverse = self._poles
+        sets, own = len(values), values.shape[1] // 2
+        turn = np.exp(2j * np.pi / self.instants * np.arange(self.instants // 2 + 1))
+        held, ramp = (self.step * each[:, :, None] for each in _held_and_ramp(values))
+        each = (held - ramp + ramp * turn) / (turn - np.exp(values)[:, :, None])
+        parts = vectors[:, :, None] * inverse[:, None, :, own:].swapaxes(2, 3)
+        moved = parts.reshape(sets, -1, 2 * own) @ each
+        moved = moved.reshape(sets, 2, own, own, -1).swapaxes(0, 1)
+        return np.asarray(moved / np.array([self.unit, 1.0])[:, None, None, None, None])
 
     @cached_property
     def to_nodes(self) -> tuple[FloatArray, FloatArray]:
@@ -313,35 +344,6 @@ class Grid:
         return np.hstack([self.blade.contact / self.unit, rest]), np.hstack(
             [rest, self.blade.contact]
         )
-
-    @cached_property
-    def _powers(self) -> list[FloatArray]:
-        """Powers 1, 2, 4, ... of E up to half the number of instants; at last (1 - E^n)^-1."""
-        powers = [self.transition[0]]
-        while 2 ** len(powers) <= self.instants:
-            powers.append(powers[-1] @ powers[-1])
-        powers[-1] = np.asarray(np.linalg.inv(np.eye(len(powers[-1])) - powers[-1]))
-        return powers
-
-    def carry(self, states: FloatArray, steps: int) -> FloatArray:
-        """Return states (2 * modes, columns) after steps without forces, less than the instants."""
-        for doubled, power in enumerate(self._powers[:-1]):
-            if steps >> doubled & 1:
-                states = power @ states
-        return states
-
-    @cached_property
-    def _pulse(self) -> FloatArray:
-        """States after a unit force at the first instant of each period,
-        (instants, 2 * modes, 3 * nodes)."""
-        carried, early, late = self.transition
-        *powers, repeated = self._powers
-        states = (carried @ late + early)[None]
-        for power in powers:
-            states = np.concatenate([states, power @ states])
-        states = np.roll(repeated @ states, 1, axis=0)
-        states[0] += late
-        return states
 
     @cached_property
     def _ring(self) -> ComplexArray:
@@ -366,36 +368,38 @@ class Grid:
         spectrum = self._ring @ np.fft.rfft(force, axis=0)[..., None]
         return np.fft.irfft(spectrum[..., 0], self.instants, axis=1)
 
-    def _wall_pulse(self, which: int) -> FloatArray | float:
-        """Return `against_ring` for a unit force at the first instant, (instants, 3n, 3n)."""
-        if self.blade.ring is None:
-            return 0.0
-        return np.fft.irfft(self._ring[which], self.instants, axis=0)
-
     @cached_property
-    def by_force(self) -> FloatArray:
-        """Displacements relative to the wall for a unit force at the first instant [m/N],
-        (instants, 3n, 3n)."""
-        moved = self.to_nodes[0] @ self._pulse + self._wall_pulse(0)
-        moved[0] += self.blade.compliance
-        return np.asarray(moved)
+    def lagged(self) -> tuple[FloatArray, FloatArray]:
+        """Radial displacements [m/N] and tangential and axial velocities [m/(N s)], relative to the
+        wall, at each lag after a unit force at one instant of each period, (directions of the
+        motion, 3, nodes * nodes * instants). C f is differentiated by backward differences, as in
+        the march."""
+        flexible = self.blade.compliance
+        moved, rate = self._pulse(0, [0]), self._pulse(1, [1, 2])
+        moved[..., 0] += by_component(flexible)[:1]
+        within = by_component(flexible / self.step)[1:]
+        rate[..., 0] += within
+        rate[..., 1] -= within
+        return moved.reshape(1, DIRECTIONS, -1), rate.reshape(2, DIRECTIONS, -1)
 
-    @cached_property
-    def rate_by_force(self) -> FloatArray:
-        """Velocities relative to the wall for a unit force at the first instant [m/(N s)],
-        (instants, 3n, 3n). C f is differentiated by backward differences, as in the march."""
-        rate = self.to_nodes[1] @ self._pulse + self._wall_pulse(1)
-        rate[0] += self.blade.compliance / self.step
-        rate[1] -= self.blade.compliance / self.step
-        return np.asarray(rate)
-
-    @cached_property
-    def lagged(self) -> FloatArray:
-        """`by_force` and `rate_by_force` by component, (2, 3, 3, nodes * nodes * instants)."""
-        both = np.stack([self.by_force, self.rate_by_force])
+    def _pulse(self, which: int, directions: list[int]) -> FloatArray:
+        """Return displacements (0) or velocities (1) in some directions relative to the wall,
+        without those by the compliance, after a unit force at the first instant, (directions, 3,
+        nodes, nodes, instants)."""
+        answers, contact = self._answers[which], self.blade.contact
+        sets, own, _, harmonics = answers.shape
+        rows = contact.reshape(-1, DIRECTIONS, sets, own)
+        products = np.einsum("ndso,mesp->denmsop", rows[:, directions], rows)
+        answers = answers.reshape(-1, harmonics)
+        each = products.reshape(-1, len(answers))
+        spectrum = np.empty((len(each), harmonics), dtype=np.complex128)
+        spectrum.real, spectrum.imag = each @ answers.real, each @ answers.imag
+        if self.blade.ring is not None:
+            ring = by_component(self._ring[which])[directions]
+            spectrum += ring.reshape(-1, harmonics)
         nodes = self.blade.nodes
-        apart = both.reshape(2, self.instants, nodes, DIRECTIONS, nodes, DIRECTIONS)
-        return apart.transpose(0, 3, 5, 2, 4, 1).reshape(2, DIRECTIONS, DIRECTIONS, -1)
+        shape = len(directions), DIRECTIONS, nodes, nodes, self.instants
+        return np.fft.irfft(spectrum, self.instants, axis=-1).reshape(shape)
 
     @cached_property
     def _free(self) -> FloatArray:
@@ -413,13 +417,10 @@ class Grid:
         (2, instants, modes); None: without contact forces."""
         if force is None or not force.any():
             return self._free
-        _, early, late = self.transition
-        *powers, repeated = self._powers
-        states = np.roll(force, 1, axis=0) @ early.T + force @ late.T
-        for doubled, power in enumerate(powers):
-            states = np.asarray(states + np.roll(states @ power.T, 2**doubled, axis=0))
-        own = (states @ repeated.T).reshape(self.instants, 2, -1).transpose(1, 0, 2)
-        return np.asarray(self._free + own / np.array([self.unit, 1.0])[:, None, None])
+        _, sets, own, _, harmonics = self._answers.shape
+        spectrum = np.fft.rfft(self.blade.contact.T @ force.T).reshape(sets, 1, own, harmonics)
+        moved = (self._answers * spectrum).sum(axis=-2).reshape(2, sets * own, harmonics)
+        return np.asarray(self._free + np.fft.irfft(moved, self.instants).swapaxes(1, 2))
 
     def displacement(self, force: FloatArray, modes: FloatArray) -> FloatArray:
         """Return the displacements of the contact nodes under forces, with the motion of the modes
@@ -454,3 +455,23 @@ class Grid:
     def finer(self) -> "Grid":
         """Return the grid of twice as many instants."""
         return replace(self, instants=2 * self.instants)
+
+
+def _held_and_ramp(values: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return the integrals of exp((1 - s) z) and s exp((1 - s) z) over s from 0 to 1, the responses
+    to forces that are constant or rise linearly in a step, for each eigenvalue z."""
+    small = np.abs(values) < SMALL
+    safe = np.where(small, 1.0, values)
+    near = np.where(small, values, 0.0)
+    series = [sum(near**k / factorial(k + n) for k in range(TERMS)) for n in (1, 2)]
+    held = np.expm1(safe) / safe
+    ramp = (held - 1.0) / safe
+    return np.where(small, series[0], held), np.where(small, series[1], ramp)
+
+
+def by_component(matrices: Matrix) -> Matrix:
+    """Return matrices by component and then by node, (..., 3n, 3n) as (3, 3, n, n, ...)."""
+    *_, size = matrices.shape
+    nodes = size // DIRECTIONS
+    apart = matrices.reshape(-1, nodes, DIRECTIONS, nodes, DIRECTIONS).transpose(2, 4, 1, 3, 0)
+    return apart.reshape(*apart.shape[:4], *matrices.shape[:-2])

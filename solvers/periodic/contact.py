@@ -163,18 +163,18 @@ def equations(motion: Motion, chosen: BoolArray, by: Grid | None = None) -> Equa
     place = (node[:, None] * blade.nodes + node) * grid.instants + lag
     ways = motion.ways[chosen]
 
-    lagged = (grid if by is None else by).lagged
+    (moved,), (tangential_rate, axial_rate) = (grid if by is None else by).lagged
 
-    def answer(rate: int, row: int, forces: FloatArray) -> FloatArray:
-        """Return how component `row` of displacement or velocity at each member answers to forces
-        on each member."""
+    def answer(row: FloatArray, forces: FloatArray) -> FloatArray:
+        """Return how a component of displacement or velocity at each member answers to forces on
+        each member."""
         total = np.zeros(place.shape)
         for column in range(DIRECTIONS):
             if forces[:, column].any():
-                total += np.take(lagged[rate, row, column], place) * forces[:, column]
+                total += np.take(row[column], place) * forces[:, column]
         return total
 
-    by_normal = answer(0, 0, ways)  # gap: -u_r, and forces are -lambda ways
+    by_normal = answer(moved, ways)  # gap: -u_r, and forces are -lambda ways
     if not blade.turns:
         return Equations(values(motion, chosen), by_normal)
     cosine, sine = np.cos(motion.angle[chosen]), np.sin(motion.angle[chosen])
@@ -183,11 +183,12 @@ def equations(motion: Motion, chosen: BoolArray, by: Grid | None = None) -> Equa
     tangential, axial = motion.slip[chosen].T
     unit = 1.0 / abs(blade.speed * blade.radius[node])
     blocks = [
-        -(unit * cosine)[:, None] * answer(1, 2, by) + (unit * sine)[:, None] * answer(1, 1, by)
+        -(unit * cosine)[:, None] * answer(axial_rate, by)
+        + (unit * sine)[:, None] * answer(tangential_rate, by)
         for by in (ways, turned)
     ]
     blocks[1] -= np.diag(unit * (axial * sine + tangential * cosine))
-    matrix = np.block([[by_normal, answer(0, 0, turned)], blocks])
+    matrix = np.block([[by_normal, answer(moved, turned)], blocks])
     return Equations(values(motion, chosen), matrix)
 
 

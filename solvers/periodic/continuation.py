@@ -19,8 +19,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import lapack
 
-from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.solvers.periodic.blade import Grid
 from bladewhirl.solvers.periodic.contact import (
     Motion,
@@ -33,9 +34,11 @@ from bladewhirl.solvers.periodic.contact import (
     values,
 )
 
-CLOSE, CLOSE_ANGLE = 1e-8, 1e-6
+CLOSE, CLOSE_ANGLE = 1e-7, 1e-6
 """Relative change of the forces, and change of the directions of sliding [rad], at which a
 correction ends."""
+PATIENCE = 5  #: Newton steps without fewer wrong members of the active set after which one ends
+RENEWED = 4  #: Newton steps with the responses of one speed
 CORRECTIONS = 12  #: largest number of Newton steps of a correction
 FEW, MANY = 4, 7  #: numbers of Newton steps below and above which the steps grow and shrink
 GROWTH = 2.0  #: change of the length of steps
@@ -89,6 +92,30 @@ def smooth(normal: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
+class _Factors:
+    """Triangular factors of a matrix."""
+
+    matrix: FloatArray
+    pivots: IntArray
+
+    @classmethod
+    def of(cls, matrix: FloatArray) -> "_Factors":
+        """Return the factors of a matrix.
+
+        Raises:
+            NotConverged: the matrix is singular.
+        """
+        factors, pivots, singular = lapack.dgetrf(matrix)
+        if singular:
+            raise NotConverged("the equations of a step are singular")
+        return cls(factors, pivots)
+
+    def solve(self, side: FloatArray) -> FloatArray:
+        """Return the solution for a right-hand side, (rows,)."""
+        return np.asarray(lapack.dgetrs(self.matrix, self.pivots, side)[0])
+
+
+@dataclass(frozen=True)
 class Continuation:
     """Branches over a parameter."""
 
@@ -118,21 +145,18 @@ class Continuation:
         motion = self._at(normal, angle, parameter)
         first, chosen = (motion.normal, parameter), active(motion)
         row = self._row(start, motion)
+        heading = self._along_parameter(start, motion)
+        fewest, patience, factors, seen = chosen.size, PATIENCE, None, {chosen.tobytes()}
         for step in range(CORRECTIONS):
             motion = released(motion, chosen)
-            if step % FEW == 0:
-                slope, by = self._slope(motion, parameter), motion.grid
-            matrix, residual = self._bordered(start, motion, chosen, slope, by)
-            count, size = np.count_nonzero(chosen), len(residual)
-            off = matrix[size, :count] @ (motion.normal - first[0])[chosen]
-            off -= (row * first[0])[~chosen].sum()
-            off += (parameter - first[1]) / self.unit * matrix[size, size]
-            sides = np.zeros((size + 1, 2))
-            sides[:size, 0], sides[size] = -residual, (-off, 1.0)
-            try:
-                change, tangent = np.linalg.solve(matrix, sides).T
-            except np.linalg.LinAlgError:
-                break
+            if step % RENEWED == 0:
+                slope, by, factors = self._slope(motion, parameter), motion.grid, None
+            if factors is None:
+                factors = _Factors.of(self._bordered(start, motion, chosen, slope, by))
+            off = (row * (motion.normal - first[0])).sum()
+            off += (parameter - first[1]) / self.unit * heading
+            change = factors.solve(-np.append(values(motion, chosen), off))
+            count, size = np.count_nonzero(chosen), len(change) - 1
             if not np.isfinite(change).all() or abs(change[size]) > FARTHEST:
                 break
             parameter += float(change[size]) * self.unit
@@ -144,9 +168,16 @@ class Continuation:
             converged = largest <= CLOSE * np.abs(motion.normal).max() and turned <= CLOSE_ANGLE
             if converged and abs(change[size]) <= CLOSE and not wrong.any():
                 point = replace(start, motion=motion, parameter=parameter, steps=step + 1)
-                return self._headed(point, chosen, tangent)
-            motion = _entered(motion, wrong & ~chosen)
+                return self._headed(point, chosen, factors.solve(np.eye(size + 1)[-1]))
+            if not wrong.any():
+                continue
+            number = int(np.count_nonzero(wrong))
+            fewest, patience = (number, PATIENCE) if number < fewest else (fewest, patience - 1)
+            motion, factors = _entered(motion, wrong & ~chosen), None
             chosen = chosen ^ wrong
+            if not patience or chosen.tobytes() in seen:
+                break
+            seen.add(chosen.tobytes())
         raise NotConverged(f"the correction of a step failed at the parameter {parameter:.6g}")
 
     def _row(self, start: Point, motion: Motion) -> FloatArray:
@@ -155,6 +186,10 @@ class Continuation:
         soft = len(start.normal) * start.scale * motion.grid.blade.stiffness_scale
         return np.broadcast_to(smooth(start.normal)[:, None] / soft, start.normal.shape)
 
+    def _along_parameter(self, start: Point, motion: Motion) -> float:
+        """Return the coefficient of the relative parameter in the plane normal to a tangent."""
+        return start.heading / self.unit * start.scale / motion.grid.blade.stiffness_scale
+
     def _bordered(
         self,
         start: Point,
@@ -162,20 +197,18 @@ class Continuation:
         chosen: BoolArray,
         slope: FloatArray,
         by: Grid,
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> FloatArray:
         """Return the derivatives of the equations of an active set and of the plane normal to the
         tangent of a point, by forces, angles and the relative parameter, with the responses of a
-        grid near that of the motion; and the residuals."""
-        system, count = equations(motion, chosen, by), np.count_nonzero(chosen)
-        size = len(system.value)
-        matrix = np.zeros((size + 1, size + 1))
-        matrix[:size, :size] = system.matrix
+        grid near that of the motion."""
+        own, count = equations(motion, chosen, by).matrix, np.count_nonzero(chosen)
+        size = len(own)
+        matrix = np.zeros((size + 1, size + 1), order="F")
+        matrix[:size, :size] = own
         matrix[:size, size] = slope[np.tile(chosen.ravel(), 2)[: len(slope)]] * self.unit
         matrix[size, :count] = self._row(start, motion)[chosen]
-        matrix[size, size] = (
-            start.heading / self.unit * start.scale / motion.grid.blade.stiffness_scale
-        )
-        return matrix, system.value
+        matrix[size, size] = self._along_parameter(start, motion)
+        return matrix
 
     def _at(self, normal: FloatArray, angle: FloatArray, parameter: float) -> Motion:
         """Return forces at a parameter, (instants, nodes)."""
@@ -225,9 +258,7 @@ class Continuation:
         motion = _entered(released(motion, beyond), beyond & ~chosen)
         parameter = point.parameter + float(far[member]) * point.heading
         corner = replace(point, motion=motion, parameter=parameter)
-        matrix, _ = self._bordered(
-            corner, motion, beyond, self._slope(motion, parameter), motion.grid
-        )
+        matrix = self._bordered(corner, motion, beyond, self._slope(motion, parameter), motion.grid)
         try:
             tangent = np.linalg.solve(matrix, np.eye(len(matrix))[-1])
         except np.linalg.LinAlgError:
