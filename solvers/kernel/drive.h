@@ -10,7 +10,8 @@
  * p is taken at half steps, with x_n^T K_1 x_{n+1} and x_n^T G^T x_{n+1} / h, which is linear in
  * x_{n+1}. A step is predicted with the acceleration of the last step. The acceleration then follows
  * from p without contact forces, and changes x_{n+1} by -h^2 (b + G x_n) times its change. Contact
- * forces of a step change p in this step, and the speed from the next step on.
+ * forces of a step change p in this step, by the displacements that they cause; the rest of their
+ * impulse changes the speed in the next step.
  */
 #ifndef DRIVE_H
 #define DRIVE_H
@@ -143,10 +144,14 @@ static void account_drive(March *m, int touching)
         along += 0.5 * coupled[i] * (m->x.new[i] - m->x.old[i]);
     m->state->work.at[PARAMETRIC] -= (r->later - r->acceleration) * along;
     double damped = r->torque - m->stage.drive->torque + lost;
-    double mean = 0.5 * (s[DRIVE_SPEED] + r->half); /* an impulse of contact acts one step later */
+    double mean = 0.5 * (s[DRIVE_SPEED] + r->half), inertia;
+    /* Contact changes the momentum of displacements in this step; the rest of its impulse acts on
+     * the speed in the next step. */
+    double moved = momentum(m, r->half, &inertia) - (s[DRIVE_MOMENTUM] + dt * r->torque);
     s[DRIVE_WORK] += dt * mean * m->stage.drive->torque;
     s[DRIVE_LOSS] += dt * mean * lost;
-    s[DRIVE_CONTACT] += mean * (dt * damped + s[DRIVE_IMPULSE]);
+    s[DRIVE_CONTACT] += mean * (dt * damped + s[DRIVE_IMPULSE] - s[DRIVE_MOVED]) + r->half * moved;
+    s[DRIVE_MOVED] = moved;
     s[DRIVE_IMPULSE] = dt * contact;
     s[DRIVE_MOMENTUM] += dt * (r->torque + contact);
     s[DRIVE_BEFORE] = r->angle[1];
@@ -168,8 +173,9 @@ static void record_drive(const March *m, Records *records, int64_t row)
         inertia += d->along.at[i] * (old + now);
         held += 0.5 * d->held.at[i] * (old + now);
     }
-    double speed = s[DRIVE_SPEED], momentum = s[DRIVE_MOMENTUM] - s[DRIVE_IMPULSE];
-    records->rotor_energy.at[row] = speed * momentum - 0.5 * speed * speed * inertia + held;
+    double speed = s[DRIVE_SPEED];
+    double present = s[DRIVE_MOMENTUM] - s[DRIVE_IMPULSE] + s[DRIVE_MOVED];
+    records->rotor_energy.at[row] = speed * present - 0.5 * speed * speed * inertia + held;
     for (int64_t i = 0; i < DRIVE_NUMBERS; i++)
         records->drive.at[row * DRIVE_NUMBERS + i] = m->state->drive.at[i];
 }

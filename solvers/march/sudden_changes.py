@@ -234,9 +234,10 @@ class SuddenChanges:
 
 def _continue_drive(now: FloatArray, before: FloatArray) -> None:
     """Keep the works of a free speed, and the impulse of contact that acts in the next step."""
-    kept = [lib.DRIVE_WORK, lib.DRIVE_LOSS, lib.DRIVE_CONTACT, lib.DRIVE_IMPULSE]
+    kept = [lib.DRIVE_WORK, lib.DRIVE_LOSS, lib.DRIVE_CONTACT]
     now[kept] = before[kept]
-    now[lib.DRIVE_MOMENTUM] += before[lib.DRIVE_IMPULSE]
+    now[lib.DRIVE_IMPULSE] = before[lib.DRIVE_IMPULSE] - before[lib.DRIVE_MOVED]
+    now[lib.DRIVE_MOMENTUM] += now[lib.DRIVE_IMPULSE]
 
 
 def _energy(chunk: Chunk) -> float:

@@ -96,8 +96,11 @@ def test_momentum_and_energy_of_a_stage_with_a_torque() -> None:
 def test_energy_of_a_stage_that_rubs() -> None:
     chunk = marched(free_stage(clearance=2e-4, ratio=0.01), 1e-6, 50_000, every=100)
     assert chunk.contact_impulse.sum() > 1.0
-    assert lost_energy(chunk) < 1e-8
+    assert lost_energy(chunk) < 6e-10
     assert chunk.rotation_speed[-1] < chunk.rotation_speed[0]
+    hard = marched(free_stage(clearance=5e-5), 1e-6, 50_000, every=100)
+    assert hard.contact_impulse.sum() > 100.0
+    assert lost_energy(hard) < 4e-8  # 2e-7 without the momentum of displacements due to contact
 
 
 def test_a_coasting_march_that_is_resumed_is_the_same() -> None:
