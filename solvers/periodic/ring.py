@@ -22,7 +22,7 @@ from bladewhirl.models.stage.contact_problem import ReducedCasing, around_wall
 
 PER_ELEMENT = 8  #: angles per element at which shapes of the casing are expanded
 FAINT = 1e-9  #: harmonics of a mode below this fraction of the largest, squared, are left out
-MOST_HARMONICS = 8192  #: least number of harmonics of forces that are linear between instants
+MOST_HARMONICS = 8192  #: least number of harmonics of forces that are constant in steps
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Ring:
 
     def transition(
         self, speed: float, unit: float, step: float
-    ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    ) -> tuple[ComplexArray, ComplexArray]:
         """Return how the ring moves in a step in rotating axes, in which harmonics n turn by
         n Omega.
 
@@ -92,19 +92,18 @@ class Ring:
             step: length of the step [s].
 
         Returns:
-            matrices of the states (modes, 2, 2), and the responses to modal forces that fall or
-            rise linearly in the step, (modes, 2) each.
+            matrices of the states, (modes, 2, 2), and responses to constant modal forces,
+            (modes, 2).
         """
         w, turning = self.frequency, 1j * self.order * speed
-        wide = np.zeros((len(w), 4, 4), dtype=np.complex128)
+        wide = np.zeros((len(w), 3, 3), dtype=np.complex128)
         wide[:, 0, 0] = wide[:, 1, 1] = step * turning
         wide[:, 0, 1] = step * unit
         wide[:, 1, 0] = -step * w**2 / unit
         wide[:, 1, 1] -= step * 2.0 * self.damping_ratio * w
         wide[:, 1, 2] = step
-        wide[:, 2, 3] = 1.0
         moved = la.expm(wide)[:, :2]
-        return moved[:, :, :2], moved[:, :, 2] - moved[:, :, 3], moved[:, :, 3]
+        return moved[:, :, :2], moved[:, :, 2]
 
     @property
     def both_ways(self) -> tuple[IntArray, ComplexArray, IntArray]:
@@ -135,8 +134,8 @@ class Ring:
     def answers(
         self, lobes: int, speed: float, copies: int, angle: FloatArray, instants: int
     ) -> ComplexArray:
-        """Return the responses under blade 0 to forces of all blades that are linear between
-        instants, by harmonic of its own forces.
+        """Return the responses under blade 0 to forces of all blades by harmonic of its own forces.
+        In each step the mean of the forces at both ends acts.
 
         Args:
             lobes: number of periods in a turn.
@@ -159,7 +158,8 @@ class Ring:
             harmonic = (line + fold * instants) * lobes * int(np.sign(speed))
             k, entry = np.nonzero((harmonic[:, None] - order) % copies == 0)
             w = (harmonic[k] - order[entry]) * speed
-            at = np.sinc(harmonic[k] / (lobes * instants)) ** 2 * copies
+            share = np.pi * (line + fold * instants)[k] / instants
+            at = np.cos(share) * np.sinc(share / np.pi) * copies
             at = at / (own[entry] ** 2 - w**2 + 2j * ratio[entry] * own[entry] * w)
             total[0, k, entry] += at
             total[1, k, entry] += 1j * w * at

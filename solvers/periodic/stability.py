@@ -47,8 +47,7 @@ class _Blocks(NamedTuple):
     """Equally large parts of the state that do not influence each other without contact."""
 
     carried: FloatArray  #: matrices of a step, (blocks, size, size)
-    early: FloatArray  #: responses to the forces at the start of a step, (blocks * size, forces)
-    late: FloatArray  #: responses to the forces at its end, (blocks * size, forces)
+    by_force: FloatArray  #: responses to constant forces in a step, (blocks * size, forces)
     place: FloatArray  #: displacements relative to the wall, (forces, blocks * size)
     velocity: FloatArray  #: velocities relative to the wall, (forces, blocks * size)
     passed: FloatArray  #: the next blade has the place of this one, (blocks * size, blocks * size)
@@ -74,15 +73,14 @@ class _Structure:
         """Return the structure of a motion."""
         grid, blade = motion.grid, motion.grid.blade
         copies = blade.copies
-        carried, early, late = grid.transition
+        carried, by_force = grid.transition
         every = np.eye(copies)
         ahead = np.roll(every, int(np.sign(blade.speed)), axis=0)
         place, velocity = grid.to_nodes
         blocks = [
             _Blocks(
                 np.repeat(carried[None], copies, axis=0),
-                _kron(every, early),
-                _kron(every, late),
+                _kron(every, by_force),
                 _kron(every, place),
                 _kron(every, velocity),
                 _kron(ahead, np.eye(len(carried))),
@@ -146,7 +144,7 @@ def _of_ring(motion: Motion) -> list[_Blocks]:
     rows = np.zeros((len(ring.order), len(angle), DIRECTIONS), dtype=np.complex128)
     rows[..., :2] = np.exp(1j * ring.order[:, None, None] * angle[:, None]) * ring.shape[:, None]
     wide = rows.reshape(len(rows), 1, -1)
-    carried, early, late = ring.transition(blade.speed, grid.unit, grid.step)
+    carried, held = ring.transition(blade.speed, grid.unit, grid.step)
     passage = np.exp(-2j * np.pi * np.sign(blade.speed) / blade.copies * ring.order)
     found = []
     for chosen, real, factor in (
@@ -157,10 +155,7 @@ def _of_ring(motion: Motion) -> list[_Blocks]:
         count, forces = own.shape[0], own.shape[2]
         if not count:
             continue
-        by_early, by_late = (
-            -real(each[chosen][:, :, None] * own.conj())[:, :, :forces].reshape(-1, forces)
-            for each in (early, late)
-        )
+        by_force = real(held[chosen][:, :, None] * own.conj())[:, :, :forces].reshape(-1, forces)
         matrix = real(carried[chosen])
         place = np.zeros((count, matrix.shape[1] // 2, 2, forces))
         # u - w with w = factor Re(rows q), which is the first row of a matrix of both parts
@@ -169,8 +164,7 @@ def _of_ring(motion: Motion) -> list[_Blocks]:
         found.append(
             _Blocks(
                 matrix,
-                by_early,
-                by_late,
+                -by_force,
                 place.reshape(-1, forces).T / grid.unit,
                 velocity.reshape(-1, forces).T,
                 la.block_diag(*real(passage[chosen][:, None, None] * np.eye(2))),
@@ -209,19 +203,19 @@ def monodromy(motion: Motion) -> Monodromy:
     if steps * blade.lobes % blade.copies == 0 and blade.copies % blade.lobes == 0:
         times = blade.copies // blade.lobes
         steps //= times
-    early, late = whole.joined("early", 0), whole.joined("late", 0)
+    half = 0.5 * whole.joined("by_force", 0)  # in a step the mean of both forces acts
     place, velocity = whole.joined("place", 1), whole.joined("velocity", 1)
     answers = _Answers(
         whole,
         place,
         velocity,
-        place @ late + whole.compliance,
-        velocity @ late + whole.compliance / whole.step,
+        place @ half + whole.compliance,
+        velocity @ half + whole.compliance / whole.step,
     )
-    split, held = len(early), whole.held
+    split, held = len(half), whole.held
     first = int(np.argmin(held.any(axis=1)))
-    matrix = np.eye(split + (early.shape[1] if held[first].any() else 0))
-    state, force = matrix[:split], np.zeros((early.shape[1], len(matrix)))
+    matrix = np.eye(split + (half.shape[1] if held[first].any() else 0))
+    state, force = matrix[:split], np.zeros((half.shape[1], len(matrix)))
     force[: len(matrix) - split] = matrix[split:]
     waiting, pushed = 0, bool(held[first].any())
     for step in range(1, steps + 1):
@@ -233,12 +227,12 @@ def monodromy(motion: Motion) -> Monodromy:
         state, waiting = whole.carry(state, waiting), 0
         if pushed:
             acting = np.flatnonzero(force.any(axis=1))
-            state = state + early[:, acting] @ force[acting]
+            state = state + half[:, acting] @ force[acting]
         before, force, pushed = force, np.zeros_like(force), bool(len(nodes))
         if len(nodes):
             acting = (DIRECTIONS * nodes[:, None] + np.arange(DIRECTIONS)).ravel()
             force[acting] = answers.forces(i, nodes, state, before)
-            state = state + late[:, acting] @ force[acting]
+            state = state + half[:, acting] @ force[acting]
     state = whole.carry(state, waiting)
     matrix = np.concatenate([state, force[: len(matrix) - split]])
     if times > 1:

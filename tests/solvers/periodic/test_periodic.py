@@ -167,6 +167,19 @@ def test_motions_without_contact_and_what_is_refused() -> None:
         Blade.of_problem(bladed(1, 2, massless=False))
 
 
+def test_deviations_do_not_grow_in_a_long_contact_with_few_instants() -> None:
+    """A mass that a force holds in contact with a stiff stop, with a step of five radians of its
+    vibration: with forces that are linear in each step, the largest multiplier is 1e24."""
+    blade = oscillator(1.0, 0.01, 0.05)
+    pressed = replace(
+        blade, compliance=np.eye(3) / 2500.0, loads={0: np.array([5.0 + 0j]), **blade.loads}
+    )
+    motion = solve(Motion.free(Grid(pressed, 64)))
+    assert (motion.normal > 0.0).all()
+    largest = np.abs(monodromy(motion).multipliers[0])
+    assert np.exp(-0.5 * 0.05 * pressed.period) - 1e-9 < largest < 0.95
+
+
 def test_a_blade_that_jams_has_no_periodic_motion() -> None:
     """Friction that moves the nodes outward by more than the normal force moves them inward."""
     blade = oscillator(0.5, 2.0)
