@@ -8,15 +8,17 @@ period T = 2 pi / (p Omega), and each harmonic h with the frequency w = h p Omeg
 
 On a grid of n instants in a period, responses to forces are cyclic convolutions. In a step the mean
 of the forces at both ends acts, and the modes respond exactly: with the transition matrix E of a
-step and the response G to a constant force, the state y of the modes satisfies y_{i+1} = E y_i + G (f_i +
-f_{i+1}) / 2. Because motions are periodic, the harmonic k of y at the instants is (z - E)^-1 G
-(1 + z) / 2 times that of f with z = exp(2 i pi k / n), and eigenvalues of the modes make these
-matrices diagonal. In contact this is the average acceleration method of Newmark, which is stable
-for any step; with forces that are linear in a step (linear acceleration) small deviations would
-grow where a contact lasts for some steps longer than 3.46 / w, with the frequency w of the modes
-with closed contacts. In contrast to a trigonometric interpolation, forces have no
-effect on instants before them, and a Newton method finds motions with many contact nodes more
-often.
+step and the response G to a constant force, the state y of the modes satisfies
+
+    y_{i+1} = E y_i + G (f_i + f_{i+1}) / 2.
+
+Because motions are periodic, the harmonic k of y at the instants is (z - E)^-1 G (1 + z) / 2 times
+that of f with z = exp(2 i pi k / n), and eigenvalues of the modes make these matrices diagonal. In
+contact this is the average acceleration method of Newmark, which is stable for any step; with
+forces that are linear in a step (linear acceleration) small deviations would grow in contacts of
+several steps that are longer than 3.46 / w, with the frequency w of the modes with closed contacts.
+In contrast to a trigonometric interpolation, forces have no effect on instants before them, and a
+Newton method finds motions with many contact nodes more often.
 
 The wall is rigid, or a uniform ring, whose response to the same forces is added, see `ring`.
 """
