@@ -58,6 +58,7 @@ def blade_at(rpm: float) -> Blade:
         angle=at_new(blade.angle),
         radius=at_new(blade.radius),
         recess=at_new(blade.recess),
+        normal_part=at_new(blade.normal_part),
     )
 
 
