@@ -11,6 +11,8 @@ from bladewhirl.solvers.periodic.continuation import Continuation
 
 FIRST_INSTANTS, LEAST_INSTANTS, MOST_INSTANTS = 64, 512, 4096
 """Instants of the first grid, of the coarsest grid of a result, and of the finest grid."""
+FINE_INSTANTS = 1024
+"""Least instants of a motion in contact: with 512, multipliers can be wrong by 0.008."""
 IMPULSE_ERROR = 1e-3
 """Change of the impulse with the last refinement; the error of the finer grid is smaller."""
 MOST_POINTS = 500  #: largest number of points of a branch to a motion
@@ -66,7 +68,7 @@ def refined(motion: Motion) -> Motion:
             continue
         error = abs(finer.impulse - motion.impulse)
         motion = finer
-        if grid.instants >= LEAST_INSTANTS and error <= IMPULSE_ERROR * motion.impulse:
+        if grid.instants >= FINE_INSTANTS and error <= IMPULSE_ERROR * motion.impulse:
             return motion
         missed = (
             f"with {grid.instants} instants the impulse still changes by"
