@@ -63,9 +63,10 @@ class Blade:
     speed: float  #: speed of rotation Omega [rad/s]
     friction: float  #: Coulomb friction coefficient
     full: bool  #: whether friction opposes the slip velocity; otherwise the rotation
-    lobes: int  #: number of periods in a turn
+    lobes: int  #: number of periods of the wall and the loads in a turn
     ring: Ring | None = None  #: the wall if it is flexible
     copies: int = 1  #: number of equal blades in the ring, at equal angles
+    periods: int = 1  #: number of periods of the wall and the loads in a period of the motion
 
     @classmethod
     def of_problem(cls, problem: ContactProblem, copy: int = 0) -> "Blade":
@@ -119,8 +120,13 @@ class Blade:
 
     @property
     def period(self) -> float:
-        """Period of the wall and the loads [s]."""
-        return 2.0 * np.pi / (self.lobes * abs(self.speed))
+        """Period of the motion [s]."""
+        return self.periods * 2.0 * np.pi / (self.lobes * abs(self.speed))
+
+    @property
+    def first_order(self) -> float:
+        """Engine order of the first harmonic of the motion: periods of the motion in a turn."""
+        return self.lobes / self.periods
 
     @property
     def turns(self) -> bool:
@@ -222,7 +228,7 @@ def _harmonics(clearance: FloatArray) -> list[int]:
     ).tolist()
 
 
-FIXED = ("full", "lobes", "wall_step", "copies")
+FIXED = ("full", "lobes", "wall_step", "copies", "periods")
 """Fields of a blade that do not depend on a parameter, without the ring."""
 ARRAYS = tuple(name for name in Blade.__annotations__ if name not in (*FIXED, "loads", "ring"))
 """Fields of a blade that can depend linearly on a parameter, without the loads."""

@@ -22,6 +22,7 @@ MEMORY = 8  #: periods divided by the time in which a wrong member causes others
 FIRST_RELAXATION, LAST_RELAXATION = 1.0, 1e-10
 """Largest and smallest product lambda g of `relaxed`, relative to the square of a gap."""
 RELAXED_STEPS = 12  #: largest number of Newton steps for one product
+REPEATED = 1e-6  #: harmonics of forces below this fraction of the largest are zero
 SAME, SAME_ANGLE = 1e-11, 1e-8
 """Relative change of the forces, and change of the directions of sliding [rad], at which Newton's
 method ends."""
@@ -109,7 +110,18 @@ class Motion:
     @property
     def impulse(self) -> float:
         """Impulse of the normal forces in a revolution [N s]."""
-        return float(self.normal.sum() * self.grid.step * self.grid.blade.lobes)
+        return float(self.normal.sum() * self.grid.step * self.grid.blade.first_order)
+
+    @property
+    def repeats(self) -> bool:
+        """True if the forces repeat in less than the period of the motion."""
+        spectrum, periods = np.abs(np.fft.rfft(self.normal, axis=0)), self.grid.blade.periods
+        number = np.arange(len(spectrum))
+        return any(
+            spectrum[number % part != 0].max(initial=0.0) <= REPEATED * spectrum.max()
+            for part in range(2, periods + 1)
+            if periods % part == 0
+        )
 
     @property
     def residual(self) -> float:

@@ -10,7 +10,7 @@ from bladewhirl.solvers.periodic.contact import Motion, NotConverged, relaxed, s
 from bladewhirl.solvers.periodic.continuation import Continuation
 
 FIRST_INSTANTS, LEAST_INSTANTS, MOST_INSTANTS = 64, 512, 4096
-"""Instants of the first grid, of the coarsest grid of a result, and of the finest grid."""
+"""Instants of the first grid, of a result, and of the finest grid, in a period of the wall."""
 FINE_INSTANTS = 1024
 """Least instants of a motion in contact: with 512, multipliers can be wrong by 0.008."""
 IMPULSE_ERROR = 1e-3
@@ -36,7 +36,7 @@ def periodic_motion(blade: Blade, start: Motion | None = None) -> Motion:
     Raises:
         NotConverged: no motion was found; the reason is that of the last attempt.
     """
-    grid, missed = Grid(blade, FIRST_INSTANTS), NotConverged("no attempt")
+    grid, missed = Grid(blade, FIRST_INSTANTS * _finer(blade)), NotConverged("no attempt")
     begin = Motion.free(grid) if start is None else start.on(grid)
     ways: list[Callable[[], Motion]] = [
         lambda: solve(begin),
@@ -61,20 +61,27 @@ def refined(motion: Motion) -> Motion:
     if not motion.touches:
         return motion
     missed, grid = "on finer grids Newton's method does not converge", motion.grid
-    while (grid := grid.finer()).instants <= MOST_INSTANTS:
+    finer_by = _finer(grid.blade)
+    while (grid := grid.finer()).instants <= MOST_INSTANTS * finer_by:
         try:
             finer = prolonged(motion.on(grid))
         except NotConverged:
             continue
         error = abs(finer.impulse - motion.impulse)
         motion = finer
-        if grid.instants >= FINE_INSTANTS and error <= IMPULSE_ERROR * motion.impulse:
+        if grid.instants >= FINE_INSTANTS * finer_by and error <= IMPULSE_ERROR * motion.impulse:
             return motion
         missed = (
             f"with {grid.instants} instants the impulse still changes by"
             f" {error / motion.impulse:.2%}"
         )
     raise NotConverged(missed)
+
+
+def _finer(blade: Blade) -> int:
+    """Return the factor of the instants of a motion with several periods of the wall: a power of
+    two."""
+    return 1 << (blade.periods - 1).bit_length()
 
 
 def prolonged(guess: Motion) -> Motion:

@@ -22,6 +22,7 @@ def periodic(
     over: Annotated[str | None, typer.Option(metavar="KEY=START:STOP")] = None,
     blade: Annotated[int, typer.Option(min=0)] = 0,
     points: Annotated[int | None, typer.Option(min=1)] = None,
+    periods: Annotated[int, typer.Option(min=1)] = 1,
     origin: Annotated[Path | None, typer.Option("--from")] = None,
     resume: options.Resume = None,
     output: options.CaseFolder = None,
@@ -58,8 +59,10 @@ def periodic(
             flexible casing all have the same motion one after another.
         points: Number of the longest steps from START to STOP, 50 by default; steps are shorter
             where forces change.
-        origin: Folder of a run, whose last period gives the first motion of the branch, or of
-            another branch, whose last point does.
+        periods: Number of periods of the wall and the engine orders in a period of the motion: 2
+            for motions after a period doubling.
+        origin: Folder of a run, whose last period begins the search at each speed or the branch,
+            or of a branch, whose last point does.
         resume: Continue the branch in this folder.
     """
     if resume is not None:
@@ -72,15 +75,19 @@ def periodic(
         options.omitted("--over", {"--speeds": speeds})
         folder = output if json or output is not None else Path(f"{case.stem}-periodic")
         with options.case_of(case, overrides) as read:
-            _branch(read, over, blade, points, origin, folder, overwrite=overwrite, json=json)
+            _branch(
+                read, over, blade, points, periods, origin, folder, overwrite=overwrite, json=json
+            )
         return
-    options.omitted("speeds", {"--points": points, "--from": origin})
+    options.omitted("speeds", {"--points": points})
 
     from bladewhirl.studies.periodic import motions as study
 
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
         given = None if speeds is None else [each.given for each in speeds]
-        data = study.periodic(read, speeds=given, blade=blade, progress=progress)
+        data = study.periodic(
+            read, speeds=given, blade=blade, periods=periods, origin=origin, progress=progress
+        )
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     if failures := study.failures(data):
         raise UserError(*failures)
@@ -91,6 +98,7 @@ def _branch(
     over: str,
     blade: int,
     points: int | None,
+    periods: int,
     origin: Path | None,
     folder: Path | None,
     *,
@@ -110,6 +118,7 @@ def _branch(
             stop,
             blade=blade,
             points=study.POINTS if points is None else points,
+            periods=periods,
             origin=origin,
             directory=folder,
             overwrite=overwrite,

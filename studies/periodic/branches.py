@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,6 @@ from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.marched import marched_stage
-from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.solvers.periodic import bifurcation
 from bladewhirl.solvers.periodic.blade import Blade, Grid, alike, between, comparable
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
@@ -34,7 +33,8 @@ from bladewhirl.studies.periodic.branch_file import (
     read,
     rows,
 )
-from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, found_motion
+from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, check_periods, found_motion
+from bladewhirl.studies.periodic.origins import motion_of
 from bladewhirl.studies.runs.columns import Column, table
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.folder import CASE_NAME, case_files
@@ -46,7 +46,6 @@ MOST_POINTS = 2000  #: largest number of points of a branch
 LONGEST = 0.1  #: longest step, relative to the forces
 LINEAR = 1e-7  #: largest relative error of a blade between two others
 SPLIT = (0.5, 0.3141)  #: places at which this error is computed
-FEWEST_RECORDS = 64  #: records of a run in a period from which a branch can begin
 FAILED = ("lost", "stopped")  #: first words of the attribute `ended` of an incomplete branch
 CLOSED = 12  #: number of points before a branch can return to its start
 
@@ -122,8 +121,9 @@ class Family:
     effects of rotation, they are interpolated; otherwise each blade is built from its case.
     """
 
-    def __init__(self, case: Case, parameter: Parameter, blade: int) -> None:
-        self._case, self._parameter, self._blade = case, parameter, blade
+    def __init__(self, case: Case, parameter: Parameter, blade: int, periods: int) -> None:
+        self._case, self._parameter = case, parameter
+        self._blade, self._periods = blade, periods
         start, stop = (self.built(value) for value in (parameter.start, parameter.stop))
         self._ends = start, stop
         self._linear = comparable(start, stop) and all(
@@ -137,7 +137,7 @@ class Family:
     def built(self, value: float) -> Blade:
         """Return the blade that is built from the case at a value of the parameter."""
         stage = marched_stage(self._parameter.case(self._case, value))
-        return blade_of(stage, self._blade)
+        return blade_of(stage, self._blade, self._periods)
 
     def _grid(self, value: float, instants: int) -> Grid:
         if not self._linear:
@@ -156,6 +156,7 @@ def branch(
     blade: int = 0,
     points: int = POINTS,
     instants: int = INSTANTS,
+    periods: int = 1,
     origin: str | Path | None = None,
     directory: str | Path | None = None,
     overwrite: bool = False,
@@ -175,7 +176,9 @@ def branch(
         blade: number of the blade.
         points: number of the longest steps from start to stop; steps are shorter where forces
             change.
-        instants: number of instants in a period, a power of two.
+        instants: number of instants in a period of the motion, a power of two.
+        periods: number of periods of the wall and the loads in a period of the motion; motions
+            after a period doubling have two.
         origin: folder of a run, whose last period gives the first motion, or of a branch, whose
             last point does; for branches that no motion from rest leads to.
         directory: folder in which branch.nc is written point by point; `resume_branch` continues it
@@ -203,7 +206,7 @@ def branch(
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     parameter = Parameter.of(case, over, start, stop)
-    family = Family(case, parameter, blade)
+    family = Family(case, parameter, blade, periods)
     grid = family.grid(parameter.start, instants)
     first = _first(grid, parameter, None if origin is None else Path(origin))
     attributes = {
@@ -214,6 +217,7 @@ def branch(
         "start": parameter.start,
         "stop": parameter.stop,
         "blade": blade,
+        "periods": periods,
         "points": points,
     }
     if folder is not None:
@@ -249,7 +253,7 @@ def resume_branch(
     case, known = read_case(folder / CASE_NAME), data.attrs
     start, stop = (f"{float(known[name])!r} {known['unit']}".strip() for name in ("start", "stop"))
     parameter = Parameter.of(case, known["key"], start, stop)
-    family = Family(case, parameter, int(known["blade"]))
+    family = Family(case, parameter, int(known["blade"]), int(known["periods"]))
     tracing = _Tracing(family, parameter, dict(known), int(known["points"]), data.sizes["instant"])
     return tracing.run(folder, rows(data), None, progress)
 
@@ -261,46 +265,13 @@ def _first(grid: Grid, parameter: Parameter, origin: Path | None) -> Motion:
         UserError: no motion was found.
     """
     where = parameter.text(parameter.start)
-    if origin is None:
-        guess = found_motion(grid.blade, where)
-    elif (origin / BRANCH_NAME).exists():
-        last = read(origin / BRANCH_NAME).isel(point=-1)
-        nodes = last["normal_force"].shape[1]
-        if nodes != grid.blade.nodes:
-            raise UserError(
-                f"{origin}: has {nodes} contact nodes; expected {grid.blade.nodes} as the case"
-            )
-        own = Grid(grid.blade, last.sizes["instant"])
-        guess = Motion(own, last["normal_force"].values, last["slip_direction"].values)
-    else:
-        guess = _of_run(grid, origin)
+    guess = found_motion(grid.blade, where) if origin is None else motion_of(origin, grid.blade)
     try:
-        return prolonged(guess.on(grid))
+        motion = prolonged(guess.on(grid))
     except NotConverged as reason:
         raise UserError(f"branch: no motion was found at {where}: {reason}") from None
-
-
-def _of_run(grid: Grid, origin: Path) -> Motion:
-    """Return the forces in the last period of a run on a grid, as a guess.
-
-    Raises:
-        UserError: the folder has no result, or its records are too far apart.
-    """
-    blade = grid.blade
-    with open_result(origin) as result:
-        time = result["time"].values
-        impulse = result["contact_impulse"].values.reshape(len(time), -1)[:, : blade.nodes]
-    step = float(np.diff(time).mean())
-    if step > blade.period / FEWEST_RECORDS or time[-1] < 2.0 * blade.period:
-        raise UserError(
-            f"{origin}: records every {step:.3g} s; expected at least {FEWEST_RECORDS} in each of"
-            f" two periods of {blade.period:.6g} s (march.record_step)"
-        )
-    late = time > time[-1] - blade.period
-    force, phase = impulse[late] / step, np.mod(time[late] - 0.5 * step, blade.period)
-    normal = [np.interp(grid.time, phase, each, period=blade.period) for each in force.T]
-    start = Motion.free(grid)
-    return replace(start, normal=np.maximum(0.0, np.stack(normal, axis=1)))
+    check_periods(motion, where)
+    return motion
 
 
 class _Tracing:
@@ -339,7 +310,7 @@ class _Tracing:
             "instant": np.arange(self._instants) / self._instants,
             "node": np.arange(float(blade.nodes)),
             "direction": ["radial", "tangential", "axial"],
-            "order": blade.lobes * np.arange(float(HARMONICS)),
+            "order": blade.first_order * np.arange(float(HARMONICS)),
             "multiplier": np.arange(2.0 * len(blade.stiffness)),
         }
         with ExitStack() as stack:

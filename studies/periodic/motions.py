@@ -1,7 +1,8 @@
 """Periodic motions of a 3D blade that rubs, without time integration: Dataset, rows, document."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from bladewhirl.solvers.periodic.stability import monodromy
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
+from bladewhirl.studies.periodic.origins import motion_of
 from bladewhirl.studies.runs.columns import Column, quantity, table
 
 HARMONICS = 32  #: number of harmonics in the Dataset, with the mean
@@ -63,6 +65,8 @@ def periodic(
     *,
     speeds: Sequence[float | str] | None = None,
     blade: int = 0,
+    periods: int = 1,
+    origin: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Compute the periodic motion of a 3D blade that rubs on a rigid wall or a uniform flexible
@@ -87,6 +91,10 @@ def periodic(
             rpm"; by default the speed of the case.
         blade: number of the blade; in a rigid wall blades do not influence each other, in a
             flexible casing all have the same motion one after another.
+        periods: number of periods of the wall and the loads in a period of the motion: 2 for
+            motions after a period doubling.
+        origin: folder of a run, whose last period begins the search at each speed, or of a branch,
+            whose last point does; None: the motion without contact.
         progress: called with the numbers of speeds done and in total.
 
     Returns:
@@ -116,12 +124,13 @@ def periodic(
         reference = at_speed.reference_frequency
         problem = at_speed.contact_problem()
         rests = corotating.is_corotating(problem)
-        structure = None if rests else blade_of(at_speed, blade)
+        structure = None if rests else blade_of(at_speed, blade, periods)
         try:
             if structure is None:
                 constant.append((problem, corotating.solution(problem, str(speed))))
             else:
-                solutions.append(solution(problem, structure, str(speed)))
+                start = None if origin is None else motion_of(Path(origin), structure)
+                solutions.append(solution(problem, structure, str(speed), start))
         except UserError as failure:
             failures += failure.lines
         if progress is not None:
@@ -135,8 +144,8 @@ def periodic(
     return data.assign_attrs(failures="\n".join(failures))
 
 
-def blade_of(stage: Any, blade: int) -> Blade:
-    """Return a blade of a stage for the method.
+def blade_of(stage: Any, blade: int, periods: int = 1) -> Blade:
+    """Return a blade of a stage for the method, whose motion has several periods of the wall.
 
     Raises:
         UserError: the method does not apply.
@@ -151,19 +160,30 @@ def blade_of(stage: Any, blade: int) -> Blade:
         )
     if not 0 <= blade < table.copies:
         raise UserError(f"periodic: blade {blade}: expected 0 to {table.copies - 1}")
+    if periods < 1:
+        raise UserError(f"periodic: periods {periods}: expected at least 1")
     try:
-        return Blade.of_problem(stage.contact_problem(), blade)
+        structure = Blade.of_problem(stage.contact_problem(), blade)
     except ValueError as reason:
         raise UserError(f"periodic: {reason}") from None
+    if periods > 1 and structure.ring is not None:
+        raise UserError(
+            f"periodic: periods {periods}: expected 1 in a flexible casing, in which the blades"
+            " follow one another"
+        )
+    return replace(structure, periods=periods)
 
 
-def solution(problem: ContactProblem, blade: Blade, speed: str) -> Solution:
-    """Return the periodic motion of a blade at a speed, whose text is in messages.
+def solution(
+    problem: ContactProblem, blade: Blade, speed: str, start: Motion | None = None
+) -> Solution:
+    """Return the periodic motion of a blade at a speed, whose text is in messages; the search
+    begins at `start`.
 
     Raises:
         UserError: the blade does not touch the wall, or no motion was found.
     """
-    motion = found_motion(blade, speed)
+    motion = found_motion(blade, speed, start)
     if not motion.touches:
         smallest = motion.gap.min()
         raise UserError(
@@ -175,17 +195,31 @@ def solution(problem: ContactProblem, blade: Blade, speed: str) -> Solution:
             f"periodic: at {speed} contact nodes move by {largest:.4g} m, beyond"
             f" march.displacement_limit = {problem.displacement_limit:.4g} m"
         )
+    check_periods(motion, speed)
     return Solution(problem, motion, monodromy(motion).multipliers)
 
 
-def found_motion(blade: Blade, where: str) -> Motion:
+def check_periods(motion: Motion, where: str) -> None:
+    """Check that a motion with several periods of the wall does not repeat before.
+
+    Raises:
+        UserError: it does.
+    """
+    if motion.repeats:
+        raise UserError(
+            f"periodic: at {where} the motion repeats in less than {motion.grid.blade.periods}"
+            " periods; expected another start: --from with a run that has this motion"
+        )
+
+
+def found_motion(blade: Blade, where: str, start: Motion | None = None) -> Motion:
     """Return a periodic motion of a blade; `where` is the speed or another value in messages.
 
     Raises:
         UserError: no motion was found.
     """
     try:
-        return periodic_motion(blade)
+        return periodic_motion(blade, start)
     except NotConverged as reason:
         raise UserError(
             f"periodic: no periodic motion was found at {where}: {reason}; other speeds or a march"
@@ -228,7 +262,7 @@ def _dataset(case: Case, solutions: Sequence[Solution], reference: float) -> xr.
             "rpm": quantity(over, speeds * 30.0 / np.pi, "rpm", "speed"),
             "instant": np.arange(LEAST_INSTANTS) / LEAST_INSTANTS,
             "direction": ["radial", "tangential", "axial"],
-            "order": motions[0].grid.blade.lobes * np.arange(HARMONICS),
+            "order": motions[0].grid.blade.first_order * np.arange(HARMONICS),
         },
         attrs={
             "title": "periodic motion of a rub",

@@ -100,3 +100,15 @@ def test_refusals_are_one_sentence(tmp_path: Path, changes: Any, message: str) -
     file.write_text(bw.dumps_case(case(**changes)))
     number = 2 if message.startswith("blade 2") else 0
     assert message in refusal("periodic", file, "--blade", number)
+
+
+def test_a_motion_of_two_periods_needs_a_start(tmp_path: Path) -> None:
+    """From the motion without contact the search comes to the motion of one period."""
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(case(**{"march.speed": "7500 rpm"})))
+    assert "at 7500 rpm the motion repeats in less than 2 periods; expected another start" in (
+        refusal("periodic", file, "--periods", 2)
+    )
+    run = tmp_path / "empty"
+    run.mkdir()
+    assert "result.nc" in refusal("periodic", file, "--from", run)
