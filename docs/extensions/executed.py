@@ -30,7 +30,7 @@ from sphinx.errors import ExtensionError
 _HEAD = re.compile(r"\A---\n.*?^executed: true$.*?^---$", re.MULTILINE | re.DOTALL)
 _MARK = re.compile(r"^<!-- generated: (\S+) -->$", re.MULTILINE)
 _PICTURE = re.compile(r"^<!-- picture: (\S+) \| (.*?) -->$", re.MULTILINE)
-LONGEST = ("verification", "tutorials/sweep", "tutorials/rotation", "tutorials/coating")
+LONGEST = ("verification", "tutorials/superelement", "tutorials/sweep", "tutorials/rotation")
 IMPORTED = (
     *("matplotlib.pyplot", "meshio", "pint", "pyvista.plotting", "skfem", "typer.testing"),
     *("scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.spatial", "scipy.stats"),

@@ -30,7 +30,7 @@ def verify(
 
     Args:
         subjects: modes, rings, contact, schemes, march, results, stability, rotation, whirl,
-            forced, sensors or coating.
+            speed, forced, sensors, coating, foreshortening, superelement or periodic.
         full: Include the cases that take long.
         markdown: Print the table as Markdown.
         html: Also write the table as a page.

@@ -424,20 +424,30 @@ class _Tracing:
         return self._branch.corrected(ahead, 0.0)
 
     def _drop_pairs(self) -> None:
-        """Leave out pairs of folds that are closer to each other than to those on other grids."""
-        folds = [n for n, row in enumerate(self._rows) if row["kind"] == 1]
-        place = 0
-        while place + 1 < len(folds):
-            pair = folds[place : place + 2]
-            one, other = (self._rows[n] for n in pair)
-            if abs(one["parameter"] - other["parameter"]) <= one["shift"] + other["shift"]:
-                for n in pair:
-                    self._rows[n] = {**self._rows[n], "kind": 0}
-                    if self._sink is not None:
-                        self._sink.correct("kind", n, 0.0)
-                place += 2
+        """Leave out pairs of folds that are closer to each other than to those on other grids, and
+        folds at which the branch turns in the direction in which it goes, as far as the other
+        folds are known: the one before was not confirmed."""
+        heading, first = 0.0, float(self._rows[0]["heading"])
+        kept, left_out = list[int](), list[int]()
+        for n, row in enumerate(self._rows):
+            if row["kind"] != 1:
+                heading = heading if row["kind"] else float(row["heading"])
+            elif (heading * first > 0.0) != (len(kept) % 2 == 0):
+                left_out.append(n)
+            elif kept and self._close(kept[-1], n):
+                left_out += [kept.pop(), n]
             else:
-                place += 1
+                kept.append(n)
+        for n in left_out:
+            self._rows[n] = {**self._rows[n], "kind": 0}
+            if self._sink is not None:
+                self._sink.correct("kind", n, 0.0)
+
+    def _close(self, one: int, other: int) -> bool:
+        """Return whether two bifurcations are as close as each to that on the other grid."""
+        first, second = self._rows[one], self._rows[other]
+        apart = abs(first["parameter"] - second["parameter"])
+        return bool(apart <= first["shift"] + second["shift"])
 
 
 def _derived(data: xr.Dataset) -> xr.Dataset:

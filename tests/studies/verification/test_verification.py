@@ -5,6 +5,7 @@ and with the long ones by `bladewhirl verify --full` in `.ci/nightly`.
 """
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 from places import ROOT
 from typer.testing import CliRunner
 
+from bladewhirl.studies.commands import checks
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.verification.case import CASES, Pair, VerificationCase, reference, rows
 from bladewhirl.studies.verification.table import SUBJECTS, cases
@@ -119,3 +121,7 @@ def test_requests_that_make_no_sense(options: list[str], expected: str) -> None:
     code, _, err = verified(*options)
     assert code == 2
     assert expected in err
+
+
+def test_help_names_all_subjects() -> None:
+    assert set(SUBJECTS) <= set(re.findall(r"\w+", checks.verify.__doc__ or ""))
