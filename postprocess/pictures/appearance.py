@@ -82,9 +82,10 @@ def contact_text(forces: Array) -> str:
     touching = int(np.count_nonzero(forces))
     if not touching:
         return "no contact"
-    largest = f"largest force now {handy(float(forces.max()), 'N', 3)},\nwith friction"
-    blades = f"{touching} of {len(forces)} blades" if len(forces) > 1 else "blade"
-    return f"{blades} in contact\n{largest}"
+    largest = f"{handy(float(forces.max()), 'N', 3)}, with friction"
+    if len(forces) == 1:
+        return f"blade in contact\nforce on all its nodes\n{largest}"
+    return f"{touching} of {len(forces)} blades in contact\nlargest force on a blade\n{largest}"
 
 
 def speed_text(dataset: xr.Dataset) -> str:

@@ -165,7 +165,7 @@ class TimeLine:
         self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
         text = f"{1e3 * times[0]:.4g} to {1e3 * times[-1]:.4g} ms"
         if force.any():
-            text = f"force, {text}, largest {handy(float(force.max()), 'N', 3)}"
+            text = f"total force, {text}, up to {handy(float(force.max()), 'N', 3)}"
         write(scene.plotter, text, LINE_TOP, 10, color=look.FAINT)
 
     def show(self, time: float) -> None:
