@@ -253,7 +253,7 @@ def resume_branch(
     case, known = read_case(folder / CASE_NAME), data.attrs
     start, stop = (f"{float(known[name])!r} {known['unit']}".strip() for name in ("start", "stop"))
     parameter = Parameter.of(case, known["key"], start, stop)
-    family = Family(case, parameter, int(known["blade"]), int(known["periods"]))
+    family = Family(case, parameter, int(known["blade"]), int(known.get("periods", 1)))
     tracing = _Tracing(family, parameter, dict(known), int(known["points"]), data.sizes["instant"])
     return tracing.run(folder, rows(data), None, progress)
 

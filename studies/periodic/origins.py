@@ -30,7 +30,7 @@ def motion_of(folder: Path, blade: Blade) -> Motion:
 
 def _of_branch(folder: Path, blade: Blade) -> Motion:
     last = read(folder / BRANCH_NAME).isel(point=-1)
-    nodes, periods = last["normal_force"].shape[1], int(last.attrs["periods"])
+    nodes, periods = last["normal_force"].shape[1], int(last.attrs.get("periods", 1))
     if nodes != blade.nodes or periods != blade.periods:
         raise UserError(
             f"{folder}: has {nodes} contact nodes and motions of {periods} periods; expected"
