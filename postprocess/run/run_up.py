@@ -47,7 +47,6 @@ def plot_amplitude_over_speed(data: xr.Dataset) -> Figure:
     figure = new_figure(height=0.1)
     upper, lower = figure.subplots(2)
     time, rpm = data["time"].values, RPM * data["speed"].values
-    upper.plot(time, rpm, color=COLOURS["rest"])
     upper.set_ylabel("speed [rpm]")
     time_axis(upper)
     radius = 1e3 * data["radius"].values
@@ -58,6 +57,7 @@ def plot_amplitude_over_speed(data: xr.Dataset) -> Figure:
     ):
         here = data["rising"].values == sense
         if here.any():
+            upper.plot(time, np.where(here, rpm, np.nan), color=COLOURS[colour])
             drawn = np.where(here, radius, np.nan)
             lower.plot(rpm, drawn, color=COLOURS[colour], label=label)
     lower.set(xlabel="speed [rpm]", ylabel="displacement\nof the shaft [mm]")
