@@ -43,12 +43,12 @@ from bladewhirl.models.stage.contact_problem import (
     Load,
     LostBlades,
     ReducedRotor,
-    SpeedChange,
 )
 from bladewhirl.models.stage.excitations import felt
 from bladewhirl.models.stage.loads import excitation_loads
 from bladewhirl.models.stage.speed_change import TurningModes, inertia_of, with_drive
 from bladewhirl.models.stage.stage import Stage, reduced_rotor
+from bladewhirl.models.stage.varying_speed import SpeedChange
 
 TableT = TypeVar("TableT", bound=Any)
 

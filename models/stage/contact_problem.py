@@ -10,7 +10,7 @@ contact node of a superelement.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,10 +19,10 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.case.closure import Closure
-from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
+from bladewhirl.models.stage.varying_speed import FreeSpeed, Rotation, SpeedChange
 
 Bodies = list[tuple[FloatArray, FloatArray]]
 """Radial displacements of the surface of each body for unit modal coordinates, and frequencies of
@@ -442,14 +442,6 @@ def rod_angles(rods: int) -> FloatArray:
     return np.asarray(2.0 * np.pi / rods * (np.arange(rods) + 0.5))
 
 
-class Rotation(NamedTuple):
-    """Rotation of the rotor at an instant."""
-
-    angle: float  #: [rad]
-    speed: float  #: [rad/s]
-    acceleration: float  #: [rad/s2]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Load:
     """A force pattern times cos(frequency t + phase), with a half-cosine ramp and an end."""
@@ -515,91 +507,6 @@ class Start:
             casing=self.casing[casing_modes],
             casing_velocity=self.casing_velocity[casing_modes],
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpeedChange:
-    """Speed of rotation that varies over time, and matrices of the rotor that depend on it.
-
-    The arrays of the rotor are those at the speed of the contact problem. At the speed Omega, its
-    stiffness is larger by Omega^2 - speed^2 times `stiffening`, and its Coriolis matrix by
-    2 (Omega - speed) times `coriolis`; Omega' times `coriolis` acts on displacements.
-    """
-
-    course: SpeedCourse
-    stiffening: FloatArray | None = None
-    """Geometric stiffness less mass of translations for 1 rad/s [1], (modes, modes); None without
-    rotation effects."""
-    coriolis: FloatArray | None = None
-    """Skew Coriolis matrix G of the Coriolis forces -2 Omega G x' [1], (modes, modes); None without
-    rotation effects."""
-
-    def change_of_force(
-        self, base: float, turned: Rotation, displacement: FloatArray, velocity: FloatArray
-    ) -> FloatArray:
-        """Return the modal forces on the rotor that the rotor at the speed `base` [rad/s] lacks,
-        (modes,)."""
-        if self.stiffening is None or self.coriolis is None:
-            return np.zeros(len(displacement))
-        speed, rate = turned.speed, turned.acceleration
-        return np.asarray(
-            -(speed**2 - base**2) * (self.stiffening @ displacement)
-            - self.coriolis @ (rate * displacement + 2.0 * (speed - base) * velocity)
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class FreeSpeed:
-    """Rotor whose speed follows from its angular momentum, see `solvers/kernel/drive.h`. The course
-    of `SpeedChange` is then the speed at the start."""
-
-    inertia: float
-    """Moment of inertia about the axis, of the bladed disk in the state of steady rotation at the
-    start and of all that turns with it [kg m2]."""
-    torque: float = 0.0  #: torque of the drive [N m]
-    loss: float = 0.0  #: torque of losses by speed [N m s]
-    damping: float = 0.0  #: damping at the centre in static axes [N s/m]
-    along: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Load pattern of Omega^2 [N s2 kg^-1/2], (rotor modes,); empty without rotation effects."""
-    across: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """Load pattern of -Omega' [N s2 kg^-1/2], (rotor modes,); empty without rotation effects."""
-
-    def momentum(self, speed: float, change: SpeedChange, x: FloatArray, v: FloatArray) -> float:
-        """Return the angular momentum at a speed [rad/s] for modal displacements and velocities
-        [N m s]."""
-        if change.stiffening is None or change.coriolis is None:
-            return self.inertia * speed
-        inertia = self.inertia + 2.0 * self.along @ x - x @ change.stiffening @ x
-        return float(speed * inertia + self.across @ v + v @ change.coriolis @ x)
-
-    def acceleration(
-        self,
-        speed: float,
-        change: SpeedChange,
-        centre: FloatArray,
-        motion: tuple[FloatArray, FloatArray, FloatArray],
-    ) -> tuple[float, float, FloatArray]:
-        """Return the torque without contact [N m], the acceleration of the rotation [rad/s2], and
-        the modal accelerations that it causes, (modes,).
-
-        Args:
-            speed: speed of rotation [rad/s].
-            change: matrices that depend on the speed.
-            centre: x and y of the centre [kg^-1/2], (2, modes).
-            motion: modal displacements, velocities, and accelerations without that of the rotation.
-        """
-        x, v, free = motion
-        torque = self.torque - self.loss * speed
-        if change.stiffening is None or change.coriolis is None:
-            return torque, torque / self.inertia, np.zeros(len(x))
-        (place, rate), softer = (centre @ x, centre @ v), self.along - change.stiffening @ x
-        swept = place[0] * rate[1] - place[1] * rate[0] + speed * place @ place
-        torque = float(torque - self.damping * swept)
-        coupled = self.across + change.coriolis @ x
-        inertia = self.inertia + (self.along + softer) @ x - coupled @ coupled
-        lost = coupled @ free + 2.0 * speed * softer @ v
-        alpha = float((torque - lost) / inertia)
-        return torque, alpha, -alpha * coupled
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,14 +18,10 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.rotation.at_speed import static_displacement
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    FreeSpeed,
-    Load,
-    SpeedChange,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.excitations import felt
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 
 
 @dataclass(frozen=True, kw_only=True)

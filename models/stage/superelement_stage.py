@@ -26,7 +26,6 @@ from bladewhirl.models.stage.contact_problem import (
     NodeCoating,
     ReducedCasing,
     ReducedRotor,
-    SpeedChange,
     Start,
     WallClosure,
 )
@@ -50,6 +49,7 @@ from bladewhirl.models.stage.superelement_structure import (
     wheel_of_sectors,
     without_rotation,
 )
+from bladewhirl.models.stage.varying_speed import SpeedChange
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.points import with_fewer_points

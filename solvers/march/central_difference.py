@@ -6,12 +6,8 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Rotation,
-    Start,
-    WallCoating,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, Start, WallCoating
+from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
     Struct,

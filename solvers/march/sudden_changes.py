@@ -15,9 +15,9 @@ from bladewhirl.models.stage.contact_problem import (
     Aftermath,
     ContactProblem,
     LostBlades,
-    Rotation,
     Start,
 )
+from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import lib
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState, Statistics, joined

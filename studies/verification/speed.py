@@ -19,14 +19,10 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    FreeSpeed,
-    Load,
-    SpeedChange,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.fused_support import with_fuse
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.studies.verification.bodies import (
     marched,
     point_mass,

@@ -5,7 +5,8 @@ import pytest
 from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import Load, Rotation
+from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.loads import (
     excitation_loads,

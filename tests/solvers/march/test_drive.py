@@ -10,8 +10,9 @@ from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, FreeSpeed, SpeedChange
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import marched, point_mass

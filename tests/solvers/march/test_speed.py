@@ -11,8 +11,9 @@ from places import EXAMPLES
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, SpeedChange
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.varying_speed import SpeedChange
 from bladewhirl.studies.verification.bodies import (
     ledger_residual,
     marched,
