@@ -194,18 +194,19 @@ def mesh3d(
     dofs, select = free_displacements(solid.size, solid.points, fixed, bodies)
     mass = solid.mass(reduced=QUADRATURES[mass_quadrature])
     shown, triangles = surface_triangles(volumes)
+    load, nodes = np.zeros((solid.size, 3)), slice(len(solid.points))  # not incompatible modes
+    load[nodes, :2] = mass[nodes, nodes] @ solid.points[:, :2]
     recovered: dict[str, Any] = {}
     if stress:
         rows, *constants = nodal_stress(solid, shown, materials)
-        load, nodes = np.zeros((solid.size, 3)), slice(len(solid.points))  # not incompatible modes
-        load[nodes, :2] = mass[nodes, nodes] @ solid.points[:, :2]
         recovered = {
             "stress_recovery": sp.csr_array(rows @ select),
-            "centrifugal_load": select.T @ load.ravel(),
             **dict(zip(("young_modulus", "poisson_ratio"), constants, strict=True)),
         }
     content: dict[str, Any] = {
         **recovered,
+        "centrifugal_load": select.T @ load.ravel(),
+        "euler_load": select.T @ (load @ CORIOLIS).ravel() / 2.0,
         "mass": sp.csr_array(select.T @ sp.kron(mass, np.eye(3), format="csr") @ select),
         "gyroscopic": (
             sp.csr_array(select.T @ sp.kron(mass, CORIOLIS, format="csr") @ select)

@@ -12,6 +12,7 @@ from bladewhirl.models.superelements.reduction import modes_and_static
 from bladewhirl.models.superelements.stresses import load_columns
 from bladewhirl.models.superelements.superelement import (
     FIXED,
+    LOADS,
     RECOVERIES,
     SQUARE,
     Superelement,
@@ -22,8 +23,8 @@ FURTHER_MODES = 10  #: number of modes at each of three speeds, besides those of
 
 def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
     """Return a superelement whose motions are the lowest modes and the static displacements by
-    forces on contact nodes and centre and by centrifugal forces (if the stress is recovered), at
-    rest, at half and at all of the highest speed.
+    forces on contact nodes and centre and by the loads of the rotation, at rest, at half and at all
+    of the highest speed.
 
     Its first coordinates are the displacements of contact nodes and centre. It has dense matrices
     and is reduced at a speed in between in milliseconds, with almost the frequencies and the
@@ -62,8 +63,7 @@ def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
     for name in RECOVERIES:
         if (matrix := getattr(part, name)) is not None:
             changes[name] = np.asarray(matrix @ basis)
-    if part.centrifugal_load is not None:
-        changes["centrifugal_load"] = part.centrifugal_load @ basis
+    changes |= {name: load @ basis for name in LOADS if (load := getattr(part, name)) is not None}
     if part.centre_dofs is not None:
         changes["centre_dofs"] = place[part.centre_dofs]
     return replace(part, contact_dofs=place[part.contact_dofs], **changes)

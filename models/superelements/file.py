@@ -20,6 +20,7 @@ from bladewhirl.models.superelements.containers import (
     whole_numbers,
 )
 from bladewhirl.models.superelements.superelement import (
+    LOADS,
     NUMBERS,
     RECOVERIES,
     SQUARE,
@@ -83,7 +84,7 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in NUMBERS:
         if key in content:
             values[key] = _scale(key, length, mass) * real_numbers(key, content[key])
-    for key in ("young_modulus", "poisson_ratio", "centrifugal_load"):
+    for key in ("young_modulus", "poisson_ratio", *LOADS):
         if key in values:
             values[key] = values[key].ravel()
     if SPEED in content:
@@ -114,7 +115,7 @@ def _scale(key: str, length: float, mass: float) -> float:
         "strain_recovery": 1.0 / length,
         "stress_recovery": mass / length**2,
         "young_modulus": mass / length,
-        "centrifugal_load": mass * length,
+        **dict.fromkeys(LOADS, mass * length),
     }
     return factors.get(key, mass)
 

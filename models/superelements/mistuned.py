@@ -169,6 +169,8 @@ def stiffened(
         of_points=lambda: reduced.points @ kept,
         strains=reduced.strains @ kept,
         stress=None if stress is None else replace(stress, modes=stress.modes @ kept),
+        loads=reduced.loads @ kept,
+        grown=reduced.grown + (reduced.loads @ turn[:, modes:] / squares[modes:]) @ rest.T,
         root=kept.T @ root_of(reduced.root @ reduced.root + change) @ kept,
         kept=modes,
         **{

@@ -29,6 +29,7 @@ from bladewhirl.models.superelements.reduction import (
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.superelement import (
     FIXED,
+    LOADS,
     SQUARE,
     Matrix,
     Superelement,
@@ -74,8 +75,9 @@ class NodalBlock:
     points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
     strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, m)
     stresses: ComplexArray  #: stresses at the points [Pa kg^-1/2/m], (6p, m)
-    load: ComplexArray
-    """Centrifugal forces at 1 rad/s, (m,), of nodal diameter 0; zero if they are not known."""
+    loads: ComplexArray
+    """Loads of the rotation that are known, see `superelement.LOADS`, (m, loads), of nodal diameter
+    0; zero for other nodal diameters."""
     blade: ComplexArray
     """Displacements of all coordinates of the structure [kg^-1/2], (n, m), if it has
     blade_stiffness and is a sector; no rows otherwise."""
@@ -150,8 +152,8 @@ def sector_blocks(
             waves = [wave, *(Wave(sector, wave.diameter) for sector in states[1:])]
             together = joined(part, [field for each in waves for field in fields(each)])
             made = _block(part, together)
-            if part.centrifugal_load is not None and wave.diameter == 0:
-                made = replace(made, load=together.conj().T @ part.centrifugal_load)
+            if wave.diameter == 0:
+                made = replace(made, loads=together.conj().T @ part.loads)
             if part.blade_stiffness is None:
                 return made
             return replace(made, blade=together, blade_loads=together.conj().T @ of_blade)
@@ -161,8 +163,8 @@ def sector_blocks(
             yield np.asarray(wave.tie @ shapes, dtype=np.complex128)
             if touched:
                 forces = (loads.T @ wave.tie).conj().T.toarray()
-                if part.centrifugal_load is not None and wave.diameter == 0:
-                    forces = np.column_stack([forces, wave.tie.T @ part.centrifugal_load])
+                if wave.diameter == 0:
+                    forces = np.hstack([forces, wave.tie.T @ part.loads])
                 moved = wave.tie @ wave.static(forces, shapes)
                 yield np.asarray(moved[:, np.any(moved, axis=0)], dtype=np.complex128)
 
@@ -235,6 +237,7 @@ def with_clamped_centre(part: Superelement) -> Superelement:
         contact_dofs=place[part.contact_dofs],
         centre_dofs=None,
         recovery=None if part.recovery is None else sp.csc_array(part.recovery)[:, kept],
+        **{key: load[kept] for key in LOADS if (load := getattr(part, key)) is not None},
     )
 
 
@@ -259,7 +262,7 @@ def block_of(reduced: ReducedSuperelement, stiffness: FloatArray) -> NodalBlock:
         centre=np.asarray(reduced.centre, dtype=np.complex128),
         points=np.asarray(reduced.points, dtype=np.complex128),
         stresses=np.zeros((0, modes), dtype=np.complex128),
-        load=np.zeros(modes, dtype=np.complex128),
+        loads=np.zeros((modes, 0), dtype=np.complex128),
         blade=np.zeros((0, modes), dtype=np.complex128),
         blade_loads=np.zeros((modes, 0), dtype=np.complex128),
         strains=np.zeros((0, modes), dtype=np.complex128),
@@ -347,7 +350,7 @@ def _block(
         stresses=none
         if part.stress_recovery is None
         else np.asarray(part.stress_recovery @ fields),
-        load=np.zeros(modes, dtype=np.complex128),
+        loads=np.zeros((modes, part.loads.shape[1]), dtype=np.complex128),
         blade=none,
         blade_loads=none.T,
         strains=recovered(part.strain_recovery),

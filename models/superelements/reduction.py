@@ -87,6 +87,12 @@ class ReducedSuperelement:
     """Change of the stiffness by rotation at 1 rad/s from the file, (modes, modes)."""
     stiffness_speed4: FloatArray | None = None
     """Its part that grows with the fourth power of the speed, (modes, modes)."""
+    loads: FloatArray = absent()
+    """Modal forces of the loads of the rotation that are known, see `LOADS` [kg^1/2 m], (loads,
+    modes)."""
+    grown: FloatArray = absent()
+    """Static displacements of the contact nodes by these loads, without their part in the modes
+    [m s2], (loads, 3c)."""
     root: FloatArray | None = None
     """Square root of the stiffness at rest, on the modes [1/s], (modes, modes), of a structure at
     speed: twice the damping ratio times this matrix is the modal damping of the structure at rest.
@@ -137,8 +143,11 @@ def massless(part: Superelement, modes: int, root: "Root | None" = None) -> Redu
             f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
             " give all contact nodes a radial flexibility"
         )
-    stress = reduced_stress(part, squares, shapes, moved, elastic)
-    return _reduced(part, squares, shapes, compliance, modes, stress, root)
+    stress, grown = (
+        reduced_stress(part, squares, shapes, moved, elastic),
+        np.asarray(rows @ moved[:, 3 * part.contacts :]),
+    )
+    return _reduced(part, squares, shapes, compliance, modes, stress, grown, root)
 
 
 def check_count(found: int, modes: int) -> None:
@@ -196,21 +205,25 @@ def consistent(
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
     shapes, elastic = basis @ vectors, squares > rigid_limit(part)
-    still = np.zeros((part.size, 3 * part.contacts + 1))  # contact forces act on modes only
-    if part.stress_recovery is not None and part.centrifugal_load is not None:
-        load = part.centrifugal_load
-        still[:, -1] = _static_rest(part, load, shapes[:, elastic], squares[elastic])
-    stress = reduced_stress(part, squares, shapes, still, elastic)
-    return _reduced(part, squares, shapes, compliance, kept, stress, root)
+    # Contact forces act on modes only; the boundary moves as in these under any static load.
+    still, loads = np.zeros((part.size, 3 * part.contacts)), part.loads
+    stress = None
+    if part.stress_recovery is not None:
+        rest = loads
+        if loads.shape[1]:
+            rest = _static_rest(part, loads, shapes[:, elastic], squares[elastic])
+        stress = reduced_stress(part, squares, shapes, np.hstack([still, rest]), elastic)
+    grown = np.zeros((3 * part.contacts, loads.shape[1]))
+    return _reduced(part, squares, shapes, compliance, kept, stress, grown, root)
 
 
 def _static_rest(
-    part: Superelement, load: FloatArray, shapes: FloatArray, squares: FloatArray
+    part: Superelement, loads: FloatArray, shapes: FloatArray, squares: FloatArray
 ) -> FloatArray:
-    """Return the static displacements under a load [N], without their part in modes, (n,)."""
-    _, lowest, moved = modes_and_static(part, 1, load[:, None])
-    whole = moved[:, 0] + lowest[:, 0] * (lowest[:, 0] @ load) / squares[0]
-    return np.asarray(whole - shapes @ (shapes.T @ load / squares))
+    """Return the static displacements under loads [N], without their part in modes, (n, loads)."""
+    _, lowest, moved = modes_and_static(part, 1, loads)
+    whole = moved + lowest @ (lowest.T @ loads) / squares[0]
+    return np.asarray(whole - shapes @ (shapes.T @ loads / squares[:, None]))
 
 
 def _reduced(
@@ -220,6 +233,7 @@ def _reduced(
     compliance: FloatArray,
     kept: int,
     stress: ReducedStress | None,
+    grown: FloatArray,
     root: "Root | None",
 ) -> ReducedSuperelement:
     centre = np.zeros((2, shapes.shape[1]))
@@ -248,6 +262,8 @@ def _reduced(
         of_points=points,
         strains=strains,
         stress=stress,
+        loads=part.loads.T @ shapes,
+        grown=grown.T,
         root=None if root is None else root(shapes),
         kept=kept,
     )

@@ -34,11 +34,9 @@ class ReducedStress:
 
 
 def load_columns(part: Superelement, rows: FloatArray) -> FloatArray:
-    """Return columns of forces on contact nodes, with the centrifugal load if its stress is needed,
-    (n, 3c or 3c + 1)."""
-    if part.stress_recovery is None or part.centrifugal_load is None:
-        return rows
-    return np.column_stack([rows, part.centrifugal_load])
+    """Return columns of forces on contact nodes, and the loads of the rotation that are known,
+    (n, 3c + loads)."""
+    return np.column_stack([rows, part.loads])
 
 
 def reduced_stress(
@@ -60,7 +58,7 @@ def reduced_stress(
     steady = None
     if part.centrifugal_load is not None:
         loads = shapes[:, elastic].T @ part.centrifugal_load / squares[elastic]
-        steady = rows @ (moved[:, -1] + shapes[:, elastic] @ loads)
+        steady = rows @ (moved[:, 3 * part.contacts] + shapes[:, elastic] @ loads)
     return ReducedStress(
         modes=np.asarray(rows @ shapes),
         forces=np.asarray(rows @ moved[:, : 3 * part.contacts])[None],

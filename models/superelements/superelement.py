@@ -52,7 +52,10 @@ RECOVERIES = ("recovery", "strain_recovery", "stress_recovery")
 
 COMPONENTS = 6  #: components xx, yy, zz, xy, yz and zx of a stress
 
-NUMBERS = ("contact_position", "points", "young_modulus", "poisson_ratio", "centrifugal_load")
+LOADS = ("centrifugal_load", "euler_load")
+"""Names of the forces of the rotation on the undeformed structure."""
+
+NUMBERS = ("contact_position", "points", "young_modulus", "poisson_ratio", *LOADS)
 """Names of the arrays of numbers."""
 
 
@@ -106,6 +109,9 @@ class Superelement:
     poisson_ratio: FloatArray | None = None  #: Poisson's ratio at each point, (p,)
     centrifugal_load: FloatArray | None = None
     """Centrifugal forces on the coordinates at a speed of 1 rad/s [kg m], (n,)."""
+    euler_load: FloatArray | None = None
+    """Euler forces -M (z x X) on the coordinates at an acceleration of the rotation of 1 rad/s2
+    [kg m], (n,); with centrifugal_load."""
     left_dofs: IntArray | None = None
     """Numbers of the x, y and z displacements of the nodes on the clockwise face of a sector,
     (l, 3)."""
@@ -136,6 +142,12 @@ class Superelement:
     def contacts(self) -> int:
         """Number of contact nodes."""
         return len(self.contact_position)
+
+    @property
+    def loads(self) -> FloatArray:
+        """Those of `LOADS` that are known, (n, loads)."""
+        given = [getattr(self, key) for key in LOADS]
+        return np.reshape([load for load in given if load is not None], (-1, self.size)).T
 
     @property
     def point_count(self) -> int:
@@ -281,8 +293,12 @@ def _stress_faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of stresses, each as "KEY: expected ..."."""
     n, rows, given_points = part.size, part.stress_recovery, part.points
     points = 0 if given_points is None or not given_points.ndim else len(given_points)
-    if part.centrifugal_load is not None and part.centrifugal_load.shape != (n,):
-        yield f"centrifugal_load: expected ({n},), got {_shape(part.centrifugal_load)}"
+    for key in LOADS:
+        load = getattr(part, key)
+        if load is not None and load.shape != (n,):
+            yield f"{key}: expected ({n},), got {_shape(load)}"
+    if part.euler_load is not None and part.centrifugal_load is None:
+        yield "euler_load: expected centrifugal_load too"
     if rows is not None and rows.shape != (COMPONENTS * points, n):
         shape = (COMPONENTS * points, n)
         yield f"stress_recovery: expected {shape}, six rows a point, got {_shape(rows)}"

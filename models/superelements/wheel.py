@@ -31,7 +31,12 @@ from bladewhirl.models.superelements.reduction import (
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.stresses import ReducedStress
-from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    LOADS,
+    Superelement,
+    SuperelementError,
+)
 
 WAVE = ("squares", "contact", "points", "strains", "stresses", "by_force", "steady", "residual")
 """Arrays of one nodal diameter, see `_reduced`."""
@@ -162,7 +167,7 @@ def _expanded(
     """Return the wheel and its reduction from the arrays of each nodal diameter, see `_reduced`."""
     rows, modes = 3 * part.contacts, len(waves[0]["squares"])
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
-    frequency, contact, strains, stresses = [], [], [], []
+    frequency, contact, strains, stresses, loads = [], [], [], [], []
     matrices = (*FURTHER, "root")
     further: dict[str, list[FloatArray]] = {key: [] for key in matrices if key in waves[0]}
     flexibility = np.zeros((sectors, rows, rows))
@@ -178,6 +183,8 @@ def _expanded(
             strains.append(np.vstack([(one * wave["strains"]).real for one in phases]))
             stresses.append(np.vstack([(one * wave["stresses"]).real for one in phases]))
             frequency.append(np.sqrt(wave["squares"]))
+            if "loads" in wave:  # those of nodal diameter 0, on all sectors
+                loads.append(np.sqrt(sectors) * wave["loads"].real)
         for key, blocks in further.items():
             blocks.append(_on_waves(wave[key], pair=pair))
     order = _order(waves, sectors)
@@ -212,6 +219,8 @@ def _expanded(
             else None
         ),
         kept=len(values),
+        loads=np.vstack(loads)[order].T if loads else np.zeros(0),
+        grown=np.tile(waves[0]["grown"].real.T, sectors) if loads else np.zeros(0),
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
     return _wheel(part, spread, values), reduced
@@ -304,8 +313,9 @@ def _of_block(
     shapes, squares = shapes[:, :modes], squares[:modes]
     touched = block.contact @ rest
     by_force = (block.stresses @ rest / stiff) @ touched.conj().T
-    steady = block.stresses @ (rest @ ((rest.conj().T @ block.load) / stiff))
-    steady = steady + block.stresses @ (shapes @ ((shapes.conj().T @ block.load) / squares))
+    loads, moved = shapes.conj().T @ block.loads, rest.conj().T @ block.loads / stiff[:, None]
+    grown = touched @ moved
+    steady = block.stresses @ (rest @ moved + shapes @ (loads / squares[:, None]))
     residual = (touched / stiff) @ touched.conj().T
     if static:
         among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
@@ -314,6 +324,8 @@ def _of_block(
         moved = touched @ among
         residual = residual - (moved / own) @ moved.conj().T
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
+        loads = shapes.conj().T @ block.loads
+        grown = grown - (moved / own) @ (among.conj().T @ (rest.conj().T @ block.loads))
     further = {key: getattr(block, key) for key in given}
     return {
         "squares": squares,
@@ -323,7 +335,9 @@ def _of_block(
         "strains": block.strains @ shapes,
         "stresses": block.stresses @ shapes,
         "by_force": by_force,
-        "steady": steady.real if block.load.any() else np.zeros(0),
+        "steady": steady[:, 0].real if block.loads.any() else np.zeros(0),
+        "loads": loads,
+        "grown": grown,
         "residual": 0.5 * (residual + residual.conj().T),
         "root": shapes.conj().T @ root_of(block.stiffness) @ shapes,
         **{key: shapes.conj().T @ matrix @ shapes for key, matrix in further.items()},
@@ -380,12 +394,15 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     if part.strain_recovery is not None:
         own = sp.kron(sp.eye_array(sectors), part.strain_recovery @ rest)
         strains = sp.csr_array((own + sp.kron(step, part.strain_recovery @ on)) @ turn.T)
-    stresses = loads = None
+    stresses = None
     if part.stress_recovery is not None:
         own = sp.kron(sp.eye_array(sectors), part.stress_recovery @ rest)
         stresses = sp.csr_array((own + sp.kron(step, part.stress_recovery @ on)) @ turn.T)
-    if part.centrifugal_load is not None:
-        loads = turn @ np.tile((rest + on).T @ part.centrifugal_load, sectors)
+    loads = {
+        key: turn @ np.tile((rest + on).T @ load, sectors)
+        for key in LOADS
+        if (load := getattr(part, key)) is not None
+    }
     picture = _wheel(part, spread, np.ones(1))
     offset = tie.shape[1] * np.arange(sectors)[:, None, None]
     dofs = np.where(contact == FIXED, FIXED, contact + offset).reshape(-1, 3)
@@ -402,7 +419,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         recovery=recovery,
         strain_recovery=strains,
         stress_recovery=stresses,
-        centrifugal_load=loads,
+        **loads,
     )
 
 
@@ -420,7 +437,7 @@ def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Sup
     """Return the nodes and points of a wheel, with diagonal matrices of its modes."""
     positions = rotate(part.contact_position, spread[:, None]).reshape(-1, 3)
     changes: dict[str, Any] = dict.fromkeys(("strain_recovery", "stress_recovery"))
-    changes |= dict.fromkeys(("young_modulus", "poisson_ratio", "centrifugal_load"))
+    changes |= dict.fromkeys(("young_modulus", "poisson_ratio", *LOADS))
     if part.points is not None:
         changes["points"] = rotate(part.points, spread[:, None]).reshape(-1, 3)
         changes["recovery"] = np.zeros((3 * len(changes["points"]), len(frequency)))

@@ -6,7 +6,6 @@ from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import Load
-from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.models.stage.excitations import radial_mode
 from bladewhirl.models.stage.loads import (
     excitation_loads,
@@ -15,6 +14,7 @@ from bladewhirl.models.stage.loads import (
     unbalance,
 )
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.varying_speed import Rotation
 
 SUPPORT = 7.975e6
 """Casing support of the contact cases [N/m2]."""
