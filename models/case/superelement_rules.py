@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.table import Inconsistency, path_of, value_at
-from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.superelement import LOADS, Superelement
 
 RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
     (
@@ -138,8 +138,11 @@ def _rotation_faults(case: Tables, part: Superelement) -> Iterator[Inconsistency
     if case.march.drive is not None:
         expected = "beams: a file does not give the moment of inertia that a free speed needs"
         yield Inconsistency("march.drive", expected, (SOURCE,))
-    if case.march.varies and effects != "none":
-        expected = '"none" with a speed that varies: a file has the matrices of one speed'
+    if case.march.varies and effects == "full" and len(part.loads.T) < len(LOADS):
+        expected = (
+            f'"none" with a speed that varies, or a file with {" and ".join(LOADS)}, which change'
+            " the length of the blade with the speed; mesh3d writes them"
+        )
         yield Inconsistency("rotation.effects", expected, (SOURCE, "march"))
     if case.rotation.clearance == "cold":
         expected = (

@@ -48,6 +48,10 @@ class ContactNodes:
     """Residual flexibility of the tips of each copy [m/N], (copies, 3 * tips, 3 * tips); the first
     three rows belong to tip 0. Tips with this flexibility have no mass. None: tips move with the
     modes only."""
+    growth: FloatArray | None = None
+    """Static displacements of the tips beyond those of the modes, in their three directions
+    [m s2]: for Omega^2 less the square of the speed of the contact problem, and for Omega',
+    (2, copies, 3 * tips); None if the speed is constant or the modes move as the tips do."""
     normal_part: float | FloatArray = 1.0
     """Part of radial lengths that is normal to the wall at each tip of a copy, where the slope of
     the wall varies, (tips,); a slope common to all tips is in the clearance."""
@@ -628,7 +632,30 @@ class ContactProblem:
         )
         if self.foreshortening is not None:
             gap = gap + self.foreshortening.opening(start.rotor)
+        if self.change is not None and self.change.ends is not None:
+            turned = self.rotation_at(time)
+            _, growth = self.change.ends.at(turned.speed)
+            by = [turned.speed**2 - self.speed**2, turned.acceleration]
+            gap = gap - np.tensordot(by, growth, 1)[:, 0::3].ravel()
         return np.asarray(gap)
+
+    def at_speed(self, speed: float) -> "ContactProblem":
+        """Return the problem with the Coriolis forces and the contact nodes at another speed
+        [rad/s]."""
+        rotor, change = self.rotor, self.change
+        assert change is not None
+        if change.coriolis is not None:
+            further = 2.0 * (speed - self.speed) * change.coriolis
+            assert rotor.by_velocity is not None
+            rotor = replace(rotor, by_velocity=rotor.by_velocity + further)
+        if change.ends is not None:
+            compliance, growth = change.ends.at(speed)
+            assert rotor.nodes is not None
+            nodes = replace(rotor.nodes, growth=growth)
+            if nodes.compliance is not None:
+                nodes = replace(nodes, compliance=compliance)
+            rotor = replace(rotor, nodes=nodes)
+        return replace(self, rotor=rotor)
 
     @property
     def critical_time_step(self) -> float:

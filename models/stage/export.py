@@ -32,7 +32,8 @@ def wheel_superelement(
 
     Coordinates are the free degrees of freedom of the beams; at the tips, x and y displacements
     replace the radial and tangential ones. Points are all nodes. The matrices are those at rest;
-    with rotation effects, the superelement also has stiffness_speed and gyroscopic.
+    with rotation effects, the superelement also has
+    stiffness_speed, gyroscopic and the loads of the rotation.
 
     Args:
         disk: finite element model.
@@ -45,12 +46,16 @@ def wheel_superelement(
     mass, stiffness = (
         sp.csr_array(turn.T @ matrix @ turn) for matrix in (structure.mass, structure.elastic)
     )
-    by_speed = {}
+    by_speed, loads = {}, {}
     if turning is not None:
         of_rotation = turning.matrices
         by_speed = {
             "stiffness_speed": turn.T @ (of_rotation.geometric - of_rotation.mass) @ turn,
             "gyroscopic": turn.T @ (2.0 * of_rotation.coriolis) @ turn,
+        }
+        loads = {
+            "centrifugal_load": turn.T @ of_rotation.load,
+            "euler_load": -(turn.T @ of_rotation.euler),
         }
     springs = np.zeros(size)
     springs[disk.centre] = shaft_stiffness[: len(disk.centre)]
@@ -69,6 +74,7 @@ def wheel_superelement(
         points=np.pad(flat, ((0, 0), (0, 1))),
         recovery=sp.csr_array(motion.reshape(3 * len(flat), size)),
         **{key: sp.csr_array(matrix) for key, matrix in by_speed.items()},
+        **loads,
         name=name,
         source="bladewhirl, bladed disk of beams",
     )

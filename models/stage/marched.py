@@ -30,6 +30,7 @@ from bladewhirl.models.stage.forced import (
 from bladewhirl.models.stage.hints import stage_hints, superelement_hints
 from bladewhirl.models.stage.speed_change import turning_inertia
 from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.superelement_speed import with_speed_over_time
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 
 
@@ -203,7 +204,10 @@ class MarchedNodes(MarchedStage):
         return self.model.coating
 
     def contact_problem(self) -> ContactProblem:
-        return self.model.problem
+        stage = self.model
+        problem = with_speed_over_time(stage, stage.problem_at(stage.speed))
+        stage.check_start(problem)
+        return problem
 
     def faults(self, problem: ContactProblem) -> Iterator[Fault]:
         """Yield faults of the time step for the modes and for the coating."""

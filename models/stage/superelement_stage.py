@@ -1,5 +1,6 @@
 """The stage of a superelement: its reduction, and its contact problem."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -49,7 +50,6 @@ from bladewhirl.models.stage.superelement_structure import (
     wheel_of_sectors,
     without_rotation,
 )
-from bladewhirl.models.stage.varying_speed import SpeedChange
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.points import with_fewer_points
@@ -89,6 +89,8 @@ class SuperelementStage:
     factor: FloatArray  #: factor on the stiffness of each copy, (copies,)
     blade: IntArray  #: number of the blade of each contact node of a copy, (nodes,)
     ring: Ring | None  #: flexible casing; None: a rigid wall
+    reduced_at: Callable[[float], ReducedSuperelement]
+    """Function that returns the reduction at another speed [rad/s]."""
     frequency_at_rest: float | None = None
     """Reference frequency of the structure at rest [rad/s], if `part` has effects of rotation."""
 
@@ -157,15 +159,11 @@ class SuperelementStage:
 
     @property
     def problem(self) -> ContactProblem:
-        """The contact problem, see `problem_at`."""
+        """The contact problem at the constant speed `speed`."""
         return self.problem_at(self.speed)
 
     def problem_at(self, speed: float) -> ContactProblem:
-        """Return the contact problem at a speed of rotation [rad/s].
-
-        Raises:
-            CaseError: a contact node is beyond the wall at the start.
-        """
+        """Return the contact problem at a constant speed of rotation [rad/s]."""
         case, blade = self.case, self.blade
         rotor = self.rotor_at(speed)
         cylinder = ContactProblem(
@@ -198,12 +196,7 @@ class SuperelementStage:
                 )
             ),
         )
-        course = case.march.course(self.reference_frequency)
-        if course is not None:
-            cylinder = replace(cylinder, change=SpeedChange(course=course))
-        problem = in_cone(cylinder, self.slope)
-        self._check_start(problem)
-        return problem
+        return in_cone(cylinder, self.slope)
 
     def rotor_at(self, speed: float) -> ReducedRotor:
         """Return the copies in modal coordinates at a speed of rotation [rad/s]."""
@@ -400,6 +393,11 @@ class SuperelementStage:
         if stress.steady is not None and self.case.rotation.effects != "none":
             steady = self.speed**2 * stress.steady
             arrays["steady_stress"] = steady.reshape(points, COMPONENTS)
+            if self.case.march.varies:
+                rest = stress.steady - stress.modes @ (
+                    self.reduced.loads[0] / self.reduced.frequency**2
+                )
+                arrays["steady_stress_rest"] = rest.reshape(points, COMPONENTS)
         for key in ("young_modulus", "poisson_ratio"):
             if (numbers := getattr(self.given, key)) is not None:
                 arrays[f"point_{key}"] = np.tile(numbers, points // len(numbers))
@@ -416,7 +414,12 @@ class SuperelementStage:
     def _wall_angle(self) -> FloatArray:
         return self.wall.angle
 
-    def _check_start(self, problem: ContactProblem) -> None:
+    def check_start(self, problem: ContactProblem) -> None:
+        """Check the gaps at the start of a contact problem of this stage.
+
+        Raises:
+            CaseError: a contact node is beyond the wall.
+        """
         gap = problem.initial_gap()
         if problem.coating is not None:
             gap = gap - problem.coating.removable
@@ -460,27 +463,14 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     if case.rotation.effects != "none":
         at_rest = _reference_at_rest(case)
         omega = case.march.speed.rad_per_s(at_rest)
-    turning, still = at_rest is not None, part
     of_waves = table.kind == "sector" and case.reduction.boundary == "massless"
-    if turning and not of_waves:
-        still = over_speeds(case, part, omega)
-        part = at_speed(still, omega, coriolis=case.rotation.effects == "full")
-    given = part
+    if not of_waves:
+        name = "free" if case.reduction.boundary == "massless" else "fixed"
+        key = f"reduction.{name}_interface_modes"
+    turning = at_rest is not None
+    reduced_at = partial(_reduced_at, case, part, factor, omega, turning=turning)
     try:
-        if of_waves:
-            part, reduced = wheel_of_sectors(case, part, omega, factor, turning=turning)
-        else:
-            part = assembled(case, part)
-            root = damping_root(case, still, omega) if turning else None
-            if case.reduction.boundary == "massless":
-                key = "reduction.free_interface_modes"
-                reduced = massless(part, case.reduction.free_interface_modes, root)
-            else:
-                key = "reduction.fixed_interface_modes"
-                kept = case.reduction.fixed_interface_modes
-                if kept == MODES:  # the default: all modes of a small superelement
-                    kept = min(kept, part.size - boundary_size(part))
-                reduced = consistent(part, kept, kept, root)
+        given, part, reduced = reduced_at(omega)
     except SuperelementError as error:
         if at_rest is not None:
             expected = "a speed below the lowest critical speed, at which the stiffness is lost"
@@ -506,6 +496,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         reduced=reduced,
         factor=factor if table.kind == "blade" else np.ones(1),
         blade=np.arange(part.contacts) // per_blade,
+        reduced_at=lambda speed: reduced_at(speed)[2],
         ring=flexible_ring(case) if ring is None and case.casing.type == "ring" else ring,
         frequency_at_rest=at_rest,
     )
@@ -517,6 +508,47 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         )
         raise CaseError([Fault(key=f"{SOURCE}.file", expected=expected)])
     return replace(stage, case=case.in_seconds(stage.reference_frequency))
+
+
+def _reduced_at(
+    case: Case,
+    part: Superelement,
+    factor: FloatArray,
+    highest: float,
+    omega: float,
+    *,
+    turning: bool,
+) -> tuple[Superelement, Superelement, ReducedSuperelement]:
+    """Return a superelement at a speed, its structure with its supports, and its reduction.
+
+    Args:
+        case: case of the superelement.
+        part: superelement at rest.
+        factor: factor on the stiffness of each blade, (blades,).
+        highest: highest speed [rad/s], on whose `range_of` the reduction depends.
+        omega: speed [rad/s].
+        turning: whether the rotation acts on the structure.
+
+    Raises:
+        SuperelementError: as for `massless` and `consistent`.
+    """
+    table, reduction = case.bladed_disk.superelement, case.reduction
+    assert table is not None
+    if table.kind == "sector" and reduction.boundary == "massless":
+        found = wheel_of_sectors(case, part, (omega, highest), factor, turning=turning)
+        return part, *found
+    root = None
+    if turning:
+        still = over_speeds(case, part, highest)
+        part = at_speed(still, omega, coriolis=case.rotation.effects == "full")
+        root = damping_root(case, still, highest)
+    held = assembled(case, part)
+    if reduction.boundary == "massless":
+        return part, held, massless(held, reduction.free_interface_modes, root)
+    kept = reduction.fixed_interface_modes
+    if kept == MODES:  # the default: all modes of a small superelement
+        kept = min(kept, held.size - boundary_size(held))
+    return part, held, consistent(held, kept, kept, root)
 
 
 _at_rest: dict[str, float] = {}

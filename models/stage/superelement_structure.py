@@ -116,14 +116,19 @@ def damping_root(case: Case, at_rest: Superelement, omega: float) -> Root | None
 
 
 def wheel_of_sectors(
-    case: Case, part: Superelement, omega: float, factor: FloatArray, *, turning: bool
+    case: Case,
+    part: Superelement,
+    speeds: tuple[float, float],
+    factor: FloatArray,
+    *,
+    turning: bool,
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
 
     Args:
         case: the case.
         part: the sector.
-        omega: speed [rad/s].
+        speeds: speed, and the highest speed at which the wheel is reduced [rad/s].
         factor: factor on the stiffness of each blade, (sectors,).
         turning: whether the rotation acts on the structure.
     """
@@ -134,7 +139,8 @@ def wheel_of_sectors(
         part = replace(part, blade_stiffness=None)
         if not turning:
             return massless_wheel(part, table.copies, modes, table.file)
-    return wheel_over_speeds(case, part, omega).at(omega, factor if mistuned else None)
+    omega, highest = speeds
+    return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None)
 
 
 def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.speed_course import SpeedCourse
@@ -21,9 +22,10 @@ class Rotation(NamedTuple):
 class SpeedChange:
     """Speed of rotation that varies over time, and matrices of the rotor that depend on it.
 
-    The arrays of the rotor are those at the speed of the contact problem. At the speed Omega, its
-    stiffness is larger by Omega^2 - speed^2 times `stiffening`, and its Coriolis matrix by
-    2 (Omega - speed) times `coriolis`; Omega' times `coriolis` acts on displacements.
+    The arrays of the rotor are those at the speed of the contact problem. At the speed Omega, the
+    stiffness of each copy is larger by Omega^2 - speed^2 times `stiffening` and Omega^4 - speed^4
+    times `stiffening4`, and its Coriolis matrix by 2 (Omega - speed) times `coriolis`; Omega' times
+    `coriolis` acts on displacements.
     """
 
     course: SpeedCourse
@@ -33,6 +35,12 @@ class SpeedChange:
     coriolis: FloatArray | None = None
     """Skew Coriolis matrix G of the Coriolis forces -2 Omega G x' [1], (modes, modes); None without
     rotation effects."""
+    stiffening4: FloatArray | None = None
+    """Change of the stiffness by the fourth power of the speed, for 1 rad/s [s2], (modes, modes);
+    None if there is none."""
+    factor: FloatArray = field(default_factory=lambda: np.ones(1))
+    """Factor on the changes of the stiffness of each copy, (copies,)."""
+    ends: "EndsOverSpeeds | None" = None  #: None if contact nodes are the same at every speed
 
     def change_of_force(
         self, base: float, turned: Rotation, displacement: FloatArray, velocity: FloatArray
@@ -42,10 +50,31 @@ class SpeedChange:
         if self.stiffening is None or self.coriolis is None:
             return np.zeros(len(displacement))
         speed, rate = turned.speed, turned.acceleration
-        return np.asarray(
-            -(speed**2 - base**2) * (self.stiffening @ displacement)
-            - self.coriolis @ (rate * displacement + 2.0 * (speed - base) * velocity)
-        )
+        stiffness = (speed**2 - base**2) * self.stiffening
+        if self.stiffening4 is not None:
+            stiffness = stiffness + (speed**4 - base**4) * self.stiffening4
+        x, v = (each.reshape(len(self.factor), -1) for each in (displacement, velocity))
+        turning = rate * x + 2.0 * (speed - base) * v
+        return -(self.factor[:, None] * (x @ stiffness.T) + turning @ self.coriolis.T).ravel()
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndsOverSpeeds:
+    """Contact nodes of a superelement whose flexibility and static displacement depend on the
+    speed, at a few speeds. Between them they are interpolated by polynomials."""
+
+    speeds: FloatArray  #: speeds [rad/s], (speeds,)
+    compliance: FloatArray  #: see `ContactNodes.compliance`, (speeds, copies, 3c, 3c)
+    growth: FloatArray  #: see `ContactNodes.growth`, (speeds, 2, copies, 3c)
+
+    def at(self, speed: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return compliance and growth at speeds [rad/s] of any shape (...): (..., copies, 3c, 3c)
+        and (..., 2, copies, 3c)."""
+        from scipy.interpolate import BarycentricInterpolator  # long to load
+
+        each = (self.compliance, self.growth)
+        found = (BarycentricInterpolator(self.speeds, values)(speed) for values in each)
+        return next(found), next(found)
 
 
 @dataclass(frozen=True, kw_only=True)

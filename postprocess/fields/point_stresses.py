@@ -81,6 +81,11 @@ class PointStresses:
                 place = (sector + distance) % force.shape[1]
                 of_sectors[pushed, place] += force[pushed, sector] @ by_force.T
         terms += self._steady
+        if "steady_stress_rest" in self._dataset:
+            speed = self._dataset["rotation_speed"].values[records]
+            change = speed**2 - float(self._dataset["modes_speed"]) ** 2
+            rest = (self._dataset["steady_stress_rest"].values @ VON_MISES.T).ravel()
+            terms += np.repeat(change, len(terms) // len(records))[:, None] * rest
         squares = (terms.reshape(len(records), -1, len(VON_MISES)) ** 2).sum(axis=2)
         return np.asarray(np.sqrt(squares))
 

@@ -256,6 +256,9 @@ typedef struct {
     Matrix normal;     /* (modes, nodes) radial columns of `columns` */
     Cube compliance;   /* (copies, components, components) change of the displacements due to unit
                         * forces within the step [m/N] */
+    Matrix growth;     /* (growths, all_nodes) static displacement of each node towards the wall: for
+                        * 1 rad2/s2 of the change of Omega^2, and for 1 rad/s2 of Omega' [m]; no rows
+                        * if there is none */
     Vector radius;     /* (nodes) radius of each node [m] */
     Matrix response;   /* (nodal, nodal) change of w, w', u, u' of each casing node, the first again
                         * at the end, due to unit forces within the step; empty for a rigid wall */
@@ -298,6 +301,7 @@ typedef struct {
     Matrix samples;         /* (points, depending) values of `current` at these speeds */
     Vector current;         /* (depending) values at the present speed */
     ModalMatrix stiffening; /* K_1, increase of the stiffness by Omega^2 [1] */
+    ModalMatrix stiffening4; /* K_2, increase of the stiffness by Omega^4 [s2]; empty without it */
     ModalMatrix coriolis;   /* G, of the Coriolis force -2 Omega G x' [1] */
     int64_t direct;         /* 1 if the blocks X of `stiffening` are zero and left out */
 } Speed;
@@ -511,6 +515,7 @@ typedef struct {
 /* Working arrays of a speed that varies. */
 typedef struct {
     Vector stiffened; /* (spun) product of `stiffening` and x_n */
+    Vector stiffened4; /* (spun4) product of `stiffening4` and x_n */
     Vector force;     /* (spun) force due to the change of the speed */
     Vector input;     /* (spun) scratch */
     Vector coupled;   /* (spun_drive) G x_n + b of a free speed */

@@ -3,7 +3,7 @@
  * In rotating axes the displacements x of the rotor from the state of steady rotation at the speed
  * `base` follow
  *
- *     x'' + (D + 2 Omega G) x' + (K + (Omega^2 - base^2) K_1 + Omega' G) x = f
+ *     x'' + (D + 2 Omega G) x' + (K + (Omega^2 - base^2) K_1 + (Omega^4 - base^4) K_2 + Omega' G) x = f
  *
  * in modal coordinates at that speed. The centrifugal and the Euler force on the undeformed rotor
  * are load patterns. The step differs from that at constant speed by
@@ -12,15 +12,16 @@
  *       the inverses at a few speeds. It is a polynomial but for (dt Omega)^points;
  *     - the force of the rest of the speed, -2 (Omega - centre) G (x_n - x_{n-1}) / dt, whose
  *       velocity is half a step late: an error of dt (Omega - centre) in the acceleration;
- *     - the forces -(Omega^2 - base^2) K_1 x_n and -Omega' G x_n.
+ *     - the forces -(Omega^2 - base^2) K_1 x_n, -(Omega^4 - base^4) K_2 x_n and -Omega' G x_n.
  *
- * The stored energy includes x_{n-1}^T K_1 x_n / 2 times the difference of the squares at n - 1. The
- * work of the drive on the rotating axes is PARAMETRIC.
+ * The stored energy includes x_{n-1}^T K_1 x_n / 2 times the difference of the squares at n - 1, and
+ * the same of K_2. The work of the drive on the rotating axes is PARAMETRIC; it includes the change of
+ * the energy of flexible contact nodes with the speed.
  */
 #ifndef SPEED_H
 #define SPEED_H
 
-#include "turning.h"
+#include "nodes.h"
 
 enum { REFRESH = 256 }; /* steps for which arrays that depend on the speed are kept */
 
@@ -73,6 +74,12 @@ static void set_speed(const Speed *s, double speed)
     }
 }
 
+/* Return Omega^4 - base^4 from Omega^2 - base^2. */
+static inline double fourth(const Speed *s, double square)
+{
+    return square * (square + 2.0 * s->base * s->base);
+}
+
 /* Compute the rotation in a step at constant speed. */
 static void rotate_steadily(March *m, int64_t step)
 {
@@ -109,6 +116,15 @@ static void speed_forces(March *m)
         store(input + i, muladd(by_now, load(x.now + i), mul(by_old, load(x.old + i))));
         store(force + i, mul(by, load(stiffened + i)));
     }
+    double *more = m->scratch->speed.stiffened4.at;
+    for (int64_t i = 0; i < m->scratch->speed.stiffened4.size; i += LANES)
+        store(more + i, splat(0.0));
+    if (m->scratch->speed.stiffened4.size > 0) {
+        add_product(m->stage.rotor, &speed->stiffening4, x.entries, x.now, more, more);
+        by = splat(-fourth(speed, r->square[1]));
+        for (int64_t i = 0; i < x.entries; i += LANES)
+            store(force + i, muladd(by, load(more + i), load(force + i)));
+    }
     if (!steady)
         add_product(m->stage.rotor, &speed->coriolis, x.entries, input, force, force);
 }
@@ -121,6 +137,28 @@ static void refresh_speed(March *m, double centre)
     set_speed(m->stage.speed, centre);
     for (int64_t j = 0; j < known->columns; j++)
         known->at[j] = -1;
+}
+
+/* Let these arrays be those in the middle of the steps around a step. If this begins another group of
+ * steps, the energy of flexible contact nodes changes. */
+static void follow_speed(March *m, int64_t step, int first)
+{
+    double angle, centre, ignored, stored;
+    if (first && step > 0) {
+        int64_t last = step - 1;
+        course_at(m->stage.speed, m->stage.numbers, (double)(last - last % REFRESH) + 0.5 * REFRESH,
+                  &angle, &centre, &ignored);
+        refresh_speed(m, centre);
+    }
+    if (step % REFRESH > 0)
+        return;
+    course_at(m->stage.speed, m->stage.numbers, (double)step + 0.5 * REFRESH, &angle, &centre, &ignored);
+    if (step > 0 && centre == m->rotation.centre)
+        return;
+    stored = m->stage.nodes ? flexible_energy(m) : 0.0;
+    refresh_speed(m, centre);
+    if (m->stage.nodes)
+        m->state->work.at[PARAMETRIC] += flexible_energy(m) - stored;
 }
 
 /* Compute the rotation in a step, and the forces due to its change. */
@@ -154,23 +192,27 @@ static void prepare_speed(March *m, int64_t step, int first)
         c->sign.at[j] = (r->speed > 0.0) - (r->speed < 0.0);
     if (m->scratch->speed.force.size == 0)
         return;
-    if (first || step % REFRESH == 0) {
-        double middle = (double)(step - step % REFRESH) + 0.5 * REFRESH, centre, angle;
-        course_at(speed, n, middle, &angle, &centre, &ignored);
-        if (first || centre != r->centre)
-            refresh_speed(m, centre);
-    }
+    follow_speed(m, step, first);
     speed_forces(m);
+}
+
+/* Return the product of x_n-1 and what changes of the stiffness times x_n, for a change of Omega^2. */
+static double strained(const March *m, const double *x, double square)
+{
+    const SpeedScratch *s = &m->scratch->speed;
+    double energy = square * dot(x, s->stiffened.at, s->stiffened.size);
+    if (s->stiffened4.size > 0)
+        energy += fourth(m->stage.speed, square) * dot(x, s->stiffened4.at, s->stiffened4.size);
+    return energy;
 }
 
 /* Record angle and speed. Returns the energy x_{n-1}^T (K - K_base) x_n / 2. */
 static double record_speed(const March *m, Records *records, int64_t row)
 {
-    const SpeedScratch *s = &m->scratch->speed;
     double *to = records->rotation.at + row * ROTATION_NUMBERS;
     to[ANGLE] = m->rotation.angle[1];
     to[SPEED] = m->rotation.now;
-    return 0.5 * m->rotation.square[0] * dot(m->x.old, s->stiffened.at, s->stiffened.size);
+    return 0.5 * strained(m, m->x.old, m->rotation.square[0]);
 }
 
 /* Add the work of the drive on the rotating axes in a step: that of the force, and the increase of
@@ -178,15 +220,13 @@ static double record_speed(const March *m, Records *records, int64_t row)
 static void account_speed(const March *m)
 {
     const SpeedScratch *s = &m->scratch->speed;
-    const double *force = s->force.at, *stiffened = s->stiffened.at;
+    const double *force = s->force.at, *squares = m->rotation.square;
     Motion x = m->x;
-    Lanes work = splat(0.0), after = splat(m->rotation.square[1]), before = splat(m->rotation.square[0]);
-    for (int64_t i = 0; i < s->force.size; i += LANES) {
-        Lanes old = load(x.old + i), new = load(x.new + i);
-        work = muladd(sub(new, old), load(force + i), work);
-        work = muladd(sub(mul(after, new), mul(before, old)), load(stiffened + i), work);
-    }
-    m->state->work.at[PARAMETRIC] += 0.5 * total(work);
+    Lanes work = splat(0.0);
+    for (int64_t i = 0; i < s->force.size; i += LANES)
+        work = muladd(sub(load(x.new + i), load(x.old + i)), load(force + i), work);
+    double further = strained(m, x.new, squares[1]) - strained(m, x.old, squares[0]);
+    m->state->work.at[PARAMETRIC] += 0.5 * (total(work) + further);
 }
 
 #endif

@@ -78,7 +78,9 @@ class CentralDifference:
             cyclic=self.cyclic[1],
             friction=problem.friction if problem.rotor.nodes is None else None,
         )
-        self._spins = problem.change is not None and problem.change.coriolis is not None
+        change = problem.change
+        self._spins = change is not None and change.coriolis is not None
+        self._stiffens4 = change is not None and change.stiffening4 is not None
         self._arrangements, self._nodes = (rotor, casing), pack_nodes(problem, time_step)
         bodies = self._rotor.body, self._casing.body
         self._stage = {
@@ -255,6 +257,7 @@ class CentralDifference:
         return {
             **node_sizes(self._problem),
             "spun": rotor.entries if self._spins else 0,
+            "spun4": rotor.entries if self._spins and self._stiffens4 else 0,
             "rotation_numbers": lib.ROTATION_NUMBERS if self._problem.change is not None else 0,
             "spun_drive": rotor.entries if self._spins and self._problem.drive is not None else 0,
             "drive_numbers": 0 if self._problem.drive is None else lib.DRIVE_NUMBERS,
@@ -368,8 +371,16 @@ class CentralDifference:
         motion = self._arrangements[0].unpack(records.rotor[:written])
         force = records.force[:written].reshape(written, copies, components)
         moved = motion.reshape(written, copies, modes) @ nodes.columns
+        change, compliance = self._problem.change, nodes.compliance
+        if change is not None and change.ends is not None:
+            time = records.step[:written] * self._time_step
+            speed, rate = change.course.speed(time), change.course.acceleration(time)
+            compliance, growth = change.ends.at(speed)
+            by = [speed**2 - self._problem.speed**2, rate]
+            moved = moved + np.einsum("kr,rkci->rci", by, growth)
         if nodes.massless:
-            moved = moved + np.einsum("rcj,cij->rci", force, nodes.compliance)
+            each = "rcij" if compliance.ndim > nodes.compliance.ndim else "cij"
+            moved = moved + np.einsum(f"rcj,{each}->rci", force, compliance)
         slope = self._problem.slope
         moved, force = (
             in_wall_axes(each.reshape(-1, components).T, -slope).T if np.any(slope) else each

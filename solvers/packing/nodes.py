@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating
 from bladewhirl.solvers.kernel.structs import Struct
 from bladewhirl.solvers.packing.casing import coating_law, nodal_response
@@ -30,11 +31,17 @@ def pack_nodes(problem: ContactProblem, dt: float) -> Struct | None:
         columns=np.ascontiguousarray(contact.T),
         normal=np.ascontiguousarray(rotor.tip_radial.T),
         compliance=np.ascontiguousarray(compliance),
+        growth=np.zeros((0, 0)) if nodes.growth is None else _normal_growth(nodes.growth),
         radius=np.asarray(nodes.radius, dtype=np.float64),
         response=np.ascontiguousarray(response),
         massless=float(nodes.compliance is not None),
         full=float(problem.sliding == "full"),
     )
+
+
+def _normal_growth(growth: FloatArray) -> FloatArray:
+    """Return the growth of all nodes normal to the wall, (2, nodes)."""
+    return np.ascontiguousarray(growth[:, :, 0::DIRECTIONS].reshape(len(growth), -1))
 
 
 def pack_node_coating(problem: ContactProblem) -> Struct | None:

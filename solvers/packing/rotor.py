@@ -163,8 +163,7 @@ def pack_gyroscopic(
     part = None if like is None else like.inverse
     return Struct(
         "Gyroscopic",
-        # Zeros at one speed are not zeros at others.
-        inverse=modal_matrix(inverses, arrangement, part, dense=problem.change is not None),
+        inverse=modal_matrix(inverses, arrangement, part),
         loss=loss,
         full_loss=full_loss,
         loss_end=_ends(full_loss),
@@ -181,8 +180,6 @@ def modal_matrix(
     matrices: FloatArray,
     arrangement: Arrangement,
     like: Struct | None = None,
-    *,
-    dense: bool = True,
 ) -> Struct:
     """Return a matrix over the modes of the rotor.
 
@@ -190,7 +187,6 @@ def modal_matrix(
         matrices: matrix of each copy, (copies, modes, modes).
         arrangement: arrangement of the rotor modes.
         like: a matrix whose places of entries outside the blocks are kept.
-        dense: whether zeros of a matrix without symmetry are not left out.
     """
     none = np.zeros(0, dtype=np.int64)
     blocks, rest, to, by = aligned(0), aligned(0), none, none
@@ -200,19 +196,20 @@ def modal_matrix(
         blocks, rest, to, by = _blocks(matrices[0], arrangement, places)
     else:
         full = _rows_by_copy(matrices, arrangement)
-    first, last = _spans(full, len(matrices), dense=dense)
+    first, last = _spans(full, len(matrices))
     return Struct(
         "ModalMatrix", blocks=blocks, rest=rest, to=to, by=by, full=full, first=first, last=last
     )
 
 
-def _spans(rows: FloatArray, copies: int, *, dense: bool) -> tuple[IntArray, IntArray]:
+def _spans(rows: FloatArray, copies: int) -> tuple[IntArray, IntArray]:
     """Return the first row and the end of the rows of each copy in which the columns that the
-    kernel processes together are not all zero, (copies * columns / PAIR,); all rows if `dense`.
-    Modes of one nodal diameter follow one another, so that few rows remain of a wheel."""
+    kernel processes together are not all zero, (copies * columns / PAIR,). Modes of one nodal
+    diameter follow one another, so that few rows remain of a wheel."""
     size, spans = len(rows) // copies, copies * (rows.shape[1] // PAIR)
-    if dense or not size:
-        return np.zeros(spans, dtype=np.int64), np.full(spans, size, dtype=np.int64)
+    if not size:
+        none = np.zeros(spans, dtype=np.int64)
+        return none, none
     entries = rows.reshape(copies, size, -1, PAIR).swapaxes(1, 2).reshape(spans, size, PAIR)
     used = np.asarray((entries != 0.0).any(axis=2))
     ends = np.where(used.any(axis=1), size - used[:, ::-1].argmax(axis=1), 0)

@@ -45,7 +45,7 @@ def pack_speed(
     none = aligned(0)
     points, samples, current = none, aligned((0, 0)), none
     empty = modal_matrix(np.zeros((1, 0, 0)), replace(arrangement, half=0, rows=1, columns=0))
-    (stiffening, direct), coriolis = (empty, 0), empty
+    (stiffening, direct), stiffening4, coriolis = (empty, 0), empty, empty
     if change.stiffening is not None and change.coriolis is not None:
         low, high = change.course.range
         if problem.drive is not None:  # the range is not known; a polynomial holds beyond it
@@ -54,8 +54,12 @@ def pack_speed(
         if high - low <= EQUAL * abs(problem.speed):
             points = np.array([problem.speed])
         samples, current = _samples(problem, stage, pack, points)
-        stiffening, direct = _stiffening(change.stiffening, arrangement)
-        coriolis = modal_matrix(change.coriolis[None], arrangement)
+        factor = change.factor[:, None, None]
+        stiffening, direct = _stiffening(factor * change.stiffening, arrangement)
+        if change.stiffening4 is not None:
+            stiffening4 = modal_matrix(factor * change.stiffening4, arrangement)
+        copies = np.repeat(change.coriolis[None], len(change.factor), axis=0)
+        coriolis = modal_matrix(copies, arrangement)
     factors = [
         (load.order, load.constant, load.by_square, load.by_acceleration) for load in problem.loads
     ]
@@ -68,6 +72,7 @@ def pack_speed(
         samples=samples,
         current=current,
         stiffening=stiffening,
+        stiffening4=stiffening4,
         coriolis=coriolis,
         direct=direct,
     )
@@ -96,10 +101,10 @@ def pack_drive(problem: ContactProblem, arrangement: Arrangement) -> Struct | No
     )
 
 
-def _stiffening(matrix: FloatArray, arrangement: Arrangement) -> tuple[Struct, int]:
-    """Return the matrix of the stiffness, and 1 if it is stored without its blocks X: those of a
-    cyclic rotor that is symmetric under reflection are zero."""
-    packed = modal_matrix(matrix[None], arrangement)
+def _stiffening(matrices: FloatArray, arrangement: Arrangement) -> tuple[Struct, int]:
+    """Return the matrix of the stiffness from that of each copy, and 1 if it is stored without its
+    blocks X: those of a cyclic rotor that is symmetric under reflection are zero."""
+    packed = modal_matrix(matrices, arrangement)
     blocks = packed.blocks.reshape(-1, 2, lib.ROWS * lib.HALF)
     crossing = np.abs(blocks[:, 1]).max(initial=0.0) > CROSSING * np.abs(blocks).max(initial=0.0)
     if arrangement.half == 0 or crossing:
@@ -116,7 +121,7 @@ def _samples(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the values of the arrays that depend on the speed at some speeds, (points, size), and
     the array of their present values, (size,), to which the structs of `stage` now point."""
-    at_points = [pack(_at_speed(problem, float(speed))) for speed in points]
+    at_points = [pack(problem.at_speed(float(speed))) for speed in points]
     chosen = list[tuple[Struct, str, list[FloatArray]]]()
     for name in at_points[0]:
         owner = stage[name]
@@ -146,13 +151,3 @@ def _arrays(owner: Struct, others: list[Any]) -> Iterator[tuple[Struct, str, lis
             yield from _arrays(value, values)
         elif isinstance(value, np.ndarray) and value.dtype == np.float64:
             yield owner, field, values
-
-
-def _at_speed(problem: ContactProblem, speed: float) -> ContactProblem:
-    """Return a contact problem with the Coriolis forces at another speed [rad/s]."""
-    change, rotor = problem.change, problem.rotor
-    assert change is not None
-    assert change.coriolis is not None
-    assert rotor.by_velocity is not None
-    by_velocity = rotor.by_velocity + 2.0 * (speed - problem.speed) * change.coriolis
-    return replace(problem, rotor=replace(rotor, by_velocity=by_velocity))

@@ -87,6 +87,26 @@ def test_stress_of_a_spinning_bar_is_the_closed_form(boundary: str, tmp_path: Pa
     assert abs(arrays.steady_stress[:, 1:]).max() < 0.005 * expected.max()
 
 
+def test_stress_of_a_spinning_bar_follows_its_speed(tmp_path: Path) -> None:
+    part = bw.mesh3d(bar(), **STEEL | {"poisson_ratio": 0.0}, coriolis=True)
+    table = [["1 ms", "300 rad/s"], ["1 s", f"{SPEED} rad/s"]]
+    given = case(
+        tmp_path,
+        part,
+        rotation={"effects": "full"},
+        march={"speed_table": table, "duration": 5e-4, "time_step": 5e-7},
+        reduction={"free_interface_modes": 6},
+        initial={},
+    )
+    result, _ = march_in_memory(prepare(given))
+    stress = PointStresses(result).at(np.array([0, 3]))
+    radius = result["point"].values[:, 0]
+    expected = 300.0**2 * 7800.0 * (0.3**2 - radius**2) / 2.0
+    assert np.abs(result["steady_stress_rest"]).max() > 0.0
+    for found in stress.reshape(-1, len(radius)):
+        assert abs(found - expected).max() < 0.005 * expected.max()
+
+
 def test_steady_stress_is_left_out_without_effects_of_rotation(tmp_path: Path) -> None:
     stage = superelement_stage(case(tmp_path, bw.mesh3d(bar(), **STEEL)))
     assert "steady_stress" not in stage.arrays.stored

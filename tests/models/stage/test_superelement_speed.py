@@ -1,0 +1,205 @@
+"""Superelements at a speed that varies: beams, static solutions at each speed, energy balance."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exported_stages import beams, exported
+from solid_meshes import STEEL, TIE, bladed_sector, cantilever
+
+import bladewhirl as bw
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.cone import in_wall_axes
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.superelements.at_speed import at_speed
+from bladewhirl.models.superelements.superelement import dense
+from bladewhirl.models.superelements.wheel import whole_wheel
+from bladewhirl.postprocess.run.summary import summarise
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+RUN_UP = {
+    "time_step": 1e-6,
+    "run_up": {"from": 0.5, "to": 0.6, "start": "5 ms", "end": "45 ms"},
+    "duration": "50 ms",
+}
+CLOSING = {"amount": 6e-5, "time_constant": 4e-3, "lobes": [{"lobes": 2, "amplitude": 3e-5}]}
+
+
+def given(kind: Any = "wheel", march: dict[str, Any] = RUN_UP, **casing: Any) -> bw.Case:
+    return beams(
+        kind,
+        rotation={"effects": "full"},
+        excitation={"type": "none"},
+        casing={"elements": 20, "support": 7.975e6, "clearance": 5e-5, **casing},
+        reduction={"fixed_interface_modes": 35 if kind == "wheel" else 10},
+        march=march,
+    )
+
+
+def solid(case: bw.Case, folder: Path, boundary: str, **reduction: Any) -> bw.Case:
+    return exported(
+        case,
+        "wheel",
+        folder,
+        excitation={"type": "none"},
+        reduction={"boundary": boundary, **reduction},
+    )
+
+
+@pytest.mark.parametrize("closure", [None, CLOSING])
+def test_a_wheel_with_all_modes_moves_as_its_beams(tmp_path: Path, closure: Any) -> None:
+    case = given(closure=closure)
+    (one, _), (other, _) = (
+        march_in_memory(prepare(each)) for each in (case, solid(case, tmp_path, "consistent"))
+    )
+    assert (one["contact_impulse"].values.sum() > 0.0) == (closure is not None)
+    gap = other["gap"].values.reshape(one["gap"].shape)
+    assert np.ptp(gap) > 5e-6
+    np.testing.assert_allclose(gap, one["gap"].values, atol=1e-7 if closure else 1e-11)
+    np.testing.assert_allclose(
+        other["rotor_displacement"].values @ other["centre_shape"].values.T,
+        one["rotor_displacement"].values @ one["centre_shape"].values.T,
+        atol=1e-8,
+    )
+    impulse = other["contact_impulse"].values.sum()
+    assert impulse == pytest.approx(one["contact_impulse"].values.sum(), rel=1e-4)
+
+
+def massless(folder: Path, march: dict[str, Any] = RUN_UP, **casing: Any) -> tuple[Any, Any]:
+    """Stage and contact problem with few modes and massless ends."""
+    case = solid(given(march=march, **casing), folder, "massless", free_interface_modes=12)
+    return superelement_stage(case), prepare(case).problem
+
+
+def of_solids(folder: Path, kind: str) -> tuple[Any, Any]:
+    """Stage and contact problem of two blades that differ, or of a wheel of sectors."""
+    if kind == "blade":
+        part = bw.mesh3d(cantilever("hexahedron20", (3, 1, 1)), **STEEL, contacts=2, coriolis=True)
+        disk: dict[str, Any] = {"mistuning": {"stiffness": [1.05, 0.98]}}
+        disk["superelement"] = {"file": str(folder / "part.npz"), "copies": 2}
+    else:
+        part = bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2, coriolis=True)
+        disk = {"superelement": {"file": str(folder / "part.npz"), "kind": "sector"}}
+        disk["superelement"]["copies"] = TIE["copies"]
+    assert part.stiffness_speed4 is not None
+    bw.write_superelement(folder / "part.npz", part)
+    case = bw.case_from(
+        {
+            "bladed_disk": disk,
+            "rotation": {"effects": "full"},
+            "casing": {"type": "rigid", "clearance": 1e-4, "slope": "3 deg"},
+            "march": {
+                "speed_table": [["0 s", "500 rad/s"], ["10 s", "1200 rad/s"]],
+                "duration": 0.001,
+                "time_step": 2e-7,
+            },
+            "reduction": {"free_interface_modes": 5},
+        }
+    )
+    return superelement_stage(case), prepare(case).problem
+
+
+def static(problem: ContactProblem, speed: float, force: Any) -> Any:
+    """Displacements of the contact nodes from the state at the speed of the problem, at rest at
+    another speed and under forces on them, (copies, 3c)."""
+    rotor, change, turned = problem.rotor, problem.change, problem.at_speed(speed).rotor.nodes
+    assert turned is not None
+    assert turned.compliance is not None
+    assert turned.growth is not None
+    assert change is not None
+    assert change.stiffening is not None
+    square = speed**2 - problem.speed**2
+    further = square * change.stiffening
+    if change.stiffening4 is not None:
+        further = further + (speed**4 - problem.speed**4) * change.stiffening4
+    load = sum(
+        (each.by_square * each.rotor for each in problem.loads), np.zeros(len(rotor.frequency))
+    )
+    found = []
+    for copy, (squares, factor) in enumerate(
+        zip(rotor.by_copy(rotor.stiffness), change.factor, strict=True)
+    ):
+        pushed = square * rotor.by_copy(load)[copy] + rotor.contact.T @ force[copy]
+        moved = rotor.contact @ np.linalg.solve(np.diag(squares) + factor * further, pushed)
+        grown = square * turned.growth[0, copy]
+        found.append(moved + turned.compliance[copy] @ force[copy] + grown)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("kind", ["wheel", "blade", "sector"])
+def test_contact_nodes_are_where_statics_place_them(tmp_path: Path, kind: str) -> None:
+    """The steady state of K(Omega) u = Omega^2 F, and the flexibility of K(Omega)."""
+    stage, problem = massless(tmp_path) if kind == "wheel" else of_solids(tmp_path, kind)
+    part = bw.read_superelement(stage.table.file)
+    if kind == "sector":
+        part = whole_wheel(part, stage.table.copies)
+    springs = np.zeros(part.size)
+    if part.centre_dofs is not None:
+        springs[part.centre_dofs] = stage.case.shaft.stiffnesses
+    shape = (stage.copies, 3 * part.contacts)
+    force, zero = np.random.default_rng(3).standard_normal(shape), np.zeros(shape)
+    rows, pull = part.contact_rows, part.loads[:, :1]
+
+    def steady(omega: float, force: Any) -> Any:
+        stiffness = dense(at_speed(part, omega, coriolis=True).stiffness) + np.diag(springs)
+        forces = in_wall_axes(force.T, -problem.slope)
+        loads = omega**2 * pull + rows.T @ forces
+        moved = rows @ np.linalg.solve(stiffness, loads) / stage.factor
+        return in_wall_axes(moved, problem.slope).T
+
+    low, high = problem.change.course.range
+    for speed in (low, low + 0.3 * (high - low), low + 0.7 * (high - low), high):
+        change = steady(speed, zero) - steady(problem.speed, zero)
+        scale = np.abs(steady(problem.speed, zero)).max()
+        np.testing.assert_allclose(static(problem, speed, zero), change, atol=3e-6 * scale)
+        pressed = steady(speed, force) - steady(speed, zero)
+        found = static(problem, speed, force) - static(problem, speed, zero)
+        np.testing.assert_allclose(found, pressed, atol=3e-6 * np.abs(pressed).max())
+
+
+def test_the_start_is_the_state_at_the_first_speed(tmp_path: Path) -> None:
+    """Without a load nothing moves until the speed does, and the gaps are those at this speed."""
+    stage, problem = massless(tmp_path)
+    assert stage.reduced.grown.any()
+    first = 0.5 * stage.reference_frequency
+    grown = static(problem, first, np.zeros((1, 3 * len(problem.rotor.tip_angle))))[0, 0::3]
+    gap = 5e-5 - grown
+    np.testing.assert_allclose(problem.initial_gap(), gap, atol=1e-12)
+    result, _ = march_in_memory(prepare(stage.case))
+    early = result["time"].values < 0.0045
+    np.testing.assert_allclose(
+        result["gap"].values[early], np.tile(gap, (early.sum(), 1)), rtol=1e-8
+    )
+
+
+def test_works_balance_the_energy_of_massless_ends(tmp_path: Path) -> None:
+    stage, _ = massless(tmp_path, closure=CLOSING)
+    result, report = march_in_memory(prepare(stage.case))
+    assert result["contact_impulse"].values.sum() > 0.0
+    assert summarise(result, report).energy_residual < 1e-8
+
+
+def test_a_constant_speed_in_a_table_is_the_march_at_this_speed(tmp_path: Path) -> None:
+    march = {"time_step": 1e-6, "duration": "10 ms"}
+    table = march | {"speed_table": [["0 s", 0.6], ["1 s", 0.6]]}
+    constant, varied = (
+        march_in_memory(prepare(massless(tmp_path, each, closure=CLOSING)[0].case))[0]
+        for each in (march | {"speed": 0.6}, table)
+    )
+    assert constant["contact_impulse"].values.sum() > 0.0
+    for name in ("gap", "rotor_displacement", "contact_impulse"):
+        one, other = constant[name].values, varied[name].values
+        np.testing.assert_allclose(other, one, atol=1e-12 * np.abs(one).max())
+
+
+def test_a_file_without_the_loads_of_the_rotation_is_refused(tmp_path: Path) -> None:
+    case = solid(given(), tmp_path, "massless", free_interface_modes=12)
+    file = case.bladed_disk.superelement.file  # type: ignore[union-attr]
+    part = bw.read_superelement(file)
+    bw.write_superelement(file, replace(part, euler_load=None))
+    with pytest.raises(CaseError, match=r"rotation.effects.*centrifugal_load and euler_load"):
+        bw.case_from(case.model_dump(exclude_defaults=True))
