@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from bladewhirl.models.case.superelement import SOURCE
+from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.table import Inconsistency, path_of, value_at
-from bladewhirl.models.superelements.superelement import LOADS, Superelement
+from bladewhirl.models.superelements.superelement import LOADS
 
 RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
     (
@@ -92,7 +92,7 @@ def superelement_faults(case: Tables) -> Iterator[Inconsistency]:
         if value_at(case, path_of(key)) not in allowed:
             texts = " or ".join(f'"{one}"' if isinstance(one, str) else str(one) for one in allowed)
             yield Inconsistency(key, f"{texts} with {SOURCE}: {reason}", (SOURCE,))
-    yield from _rotation_faults(case, table.part)
+    yield from _rotation_faults(case, table)
     coating = case.casing.coating
     if coating is not None and coating.friction not in (None, case.contact.friction):
         expected = f"the value of contact.friction with {SOURCE}"
@@ -125,9 +125,9 @@ def _rigid_faults(case: Tables) -> Iterator[Inconsistency]:
         yield Inconsistency("coupling.stiffness", expected, ("casing.type",))
 
 
-def _rotation_faults(case: Tables, part: Superelement) -> Iterator[Inconsistency]:
+def _rotation_faults(case: Tables, table: SuperelementTable) -> Iterator[Inconsistency]:
     """Yield errors for rotation effects whose matrices the file lacks."""
-    effects = case.rotation.effects
+    effects, part = case.rotation.effects, table.part
     for key, without, needed in (
         ("stiffness_speed", "tension stiffens no blade and the rotation softens none", effects),
         ("gyroscopic", "there are no Coriolis forces", effects == "full"),
@@ -144,6 +144,11 @@ def _rotation_faults(case: Tables, part: Superelement) -> Iterator[Inconsistency
             " the length of the blade with the speed; mesh3d writes them"
         )
         yield Inconsistency("rotation.effects", expected, (SOURCE, "march"))
+    if case.march.varies and effects == "full" and table.kind == "sector":
+        mistuning = case.bladed_disk.mistuning
+        if mistuning.is_given(table.copies):
+            expected = "no mistuning: the modes of sectors that differ are those of one speed"
+            yield Inconsistency("bladed_disk.mistuning", expected, (SOURCE, "march"))
     if case.rotation.clearance == "cold":
         expected = (
             '"hot": the file does not give the static growth of the contact nodes by rotation'

@@ -23,6 +23,7 @@ from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
 from bladewhirl.models.stage.varying_speed import FreeSpeed, Rotation, SpeedChange
+from bladewhirl.models.superelements.further_modes import stiffest
 
 Bodies = list[tuple[FloatArray, FloatArray]]
 """Radial displacements of the surface of each body for unit modal coordinates, and frequencies of
@@ -32,10 +33,6 @@ NEVER = np.inf  #: end time of a load that does not end
 
 ROUNDING = 1e-9
 """A negative damping rate up to this fraction of the largest one is a rounding error."""
-
-RIGID = 1e-6
-"""An eigenvector of the residual flexibility counts as rigid if its eigenvalue is at most this
-fraction of the largest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,15 +193,11 @@ class ReducedRotor:
         direction with a residual flexibility."""
         if self.nodes is None or self.nodes.compliance is None:
             return float(np.abs(self.frequency).max(initial=0.0))
-        squares, stiffest, contact = self.by_copy(self.frequency) ** 2, 0.0, self.contact
-        for square, compliance in zip(squares, self.nodes.compliance, strict=True):
-            flexibility, ways = np.linalg.eigh(compliance)
-            flexible = flexibility > RIGID * flexibility[-1]
-            rows = (ways[:, flexible] / np.sqrt(flexibility[flexible])).T @ contact
-            stiffest = max(stiffest, np.linalg.eigvalsh(np.diag(square) + rows.T @ rows)[-1])
-            if (squares == squares[0]).all():
-                break
-        return float(np.sqrt(stiffest))
+        squares, contact = self.by_copy(self.frequency) ** 2, self.contact
+        alike = bool((squares == squares[0]).all())
+        found = zip(squares, self.nodes.compliance, strict=True)
+        chosen = [next(found)] if alike else list(found)
+        return max(stiffest(square, contact, compliance) for square, compliance in chosen)
 
     @property
     def circulation_stiffness(self) -> FloatArray:

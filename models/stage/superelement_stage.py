@@ -470,7 +470,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     turning = at_rest is not None
     reduced_at = partial(_reduced_at, case, part, factor, omega, turning=turning)
     try:
-        given, part, reduced = reduced_at(omega)
+        given, part, reduced = reduced_at(omega, other=_slowest(case, at_rest))
     except SuperelementError as error:
         if at_rest is not None:
             expected = "a speed below the lowest critical speed, at which the stiffness is lost"
@@ -518,6 +518,7 @@ def _reduced_at(
     omega: float,
     *,
     turning: bool,
+    other: float | None = None,
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
     """Return a superelement at a speed, its structure with its supports, and its reduction.
 
@@ -528,6 +529,8 @@ def _reduced_at(
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
         omega: speed [rad/s].
         turning: whether the rotation acts on the structure.
+        other: another speed [rad/s], whose modes are added to those of a massless boundary, see
+            `further_modes.further`.
 
     Raises:
         SuperelementError: as for `massless` and `consistent`.
@@ -535,20 +538,38 @@ def _reduced_at(
     table, reduction = case.bladed_disk.superelement, case.reduction
     assert table is not None
     if table.kind == "sector" and reduction.boundary == "massless":
-        found = wheel_of_sectors(case, part, (omega, highest), factor, turning=turning)
+        speeds = omega, highest
+        found = wheel_of_sectors(case, part, speeds, factor, turning=turning, other=other)
         return part, *found
-    root = None
+    root = slower = None
     if turning:
-        still = over_speeds(case, part, highest)
-        part = at_speed(still, omega, coriolis=case.rotation.effects == "full")
+        still, full = over_speeds(case, part, highest), case.rotation.effects == "full"
+        part = at_speed(still, omega, coriolis=full)
         root = damping_root(case, still, highest)
+        if other is not None:
+            slower = assembled(case, at_speed(still, other, coriolis=full))
     held = assembled(case, part)
     if reduction.boundary == "massless":
-        return part, held, massless(held, reduction.free_interface_modes, root)
+        return part, held, massless(held, reduction.free_interface_modes, root, slower)
     kept = reduction.fixed_interface_modes
     if kept == MODES:  # the default: all modes of a small superelement
         kept = min(kept, held.size - boundary_size(held))
     return part, held, consistent(held, kept, kept, root)
+
+
+def _slowest(case: Case, at_rest: float | None) -> float | None:
+    """Return the lowest speed of a case whose speed varies [rad/s]; None if it does not, or if the
+    rotation does not act on the structure.
+
+    Args:
+        case: the case.
+        at_rest: reference frequency at rest, if the rotation acts on the structure [rad/s].
+    """
+    course = None if at_rest is None else case.march.course(at_rest)
+    if course is None or np.ptp(course.range) == 0.0:
+        return None
+    low, high = course.range
+    return 0.0 if low < 0.0 < high else min(low, high, key=abs)
 
 
 _at_rest: dict[str, float] = {}

@@ -122,6 +122,7 @@ def wheel_of_sectors(
     factor: FloatArray,
     *,
     turning: bool,
+    other: float | None = None,
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
 
@@ -131,6 +132,7 @@ def wheel_of_sectors(
         speeds: speed, and the highest speed at which the wheel is reduced [rad/s].
         factor: factor on the stiffness of each blade, (sectors,).
         turning: whether the rotation acts on the structure.
+        other: another speed [rad/s], whose modes are added, see `further_modes.further`.
     """
     table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
     assert table is not None
@@ -140,7 +142,7 @@ def wheel_of_sectors(
         if not turning:
             return massless_wheel(part, table.copies, modes, table.file)
     omega, highest = speeds
-    return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None)
+    return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None, other)
 
 
 def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:

@@ -26,6 +26,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, absent
+from bladewhirl.models.superelements.further_modes import further, stiffest
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
     ReducedStress,
@@ -118,25 +119,42 @@ class ReducedSuperelement:
         return self.of_points()
 
 
-def massless(part: Superelement, modes: int, root: "Root | None" = None) -> ReducedSuperelement:
+def massless(
+    part: Superelement,
+    modes: int,
+    root: "Root | None" = None,
+    other: Superelement | None = None,
+) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
     Args:
         part: superelement; every motion except rigid ones must have stiffness (no mechanisms).
         modes: number of modes.
         root: function from shapes to `ReducedSuperelement.root`, if it is needed.
+        other: the structure with another stiffness, whose lowest modes are added, see
+            `further_modes.further`.
 
     Raises:
         SuperelementError: `modes` is not below the number of coordinates, or is so large that a
             contact node has no radial residual flexibility; or a matrix is indefinite.
     """
     rows = part.contact_rows
-    squares, shapes, moved = modes_and_static(part, modes, load_columns(part, dense(rows).T))
+    loads = load_columns(part, dense(rows).T)
+    squares, shapes, moved = modes_and_static(part, modes, loads)
     check_count(len(squares), modes)
     elastic = squares > rigid_limit(part)
     kept = rows @ shapes[:, elastic]
     compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
     compliance = 0.5 * (compliance + compliance.T)
+    if other is not None:
+        limit = stiffest(squares, rows @ shapes, compliance)
+        others = lowest_modes(other, modes)[1]
+        stiff, added = further(part.stiffness, part.mass, shapes, others, limit)
+        moved = moved - added @ (added.T @ loads / stiff[:, None])
+        compliance = compliance - (rows @ added / stiff) @ (rows @ added).T
+        squares, shapes = np.concatenate([squares, stiff]), np.hstack([shapes, added])
+        elastic = squares > rigid_limit(part)
+        kept = rows @ shapes[:, elastic]
     static = np.diag(compliance)[::3] + ((kept**2) @ (1.0 / squares[elastic]))[::3]
     if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * static.max():
         raise SuperelementError(
@@ -147,7 +165,7 @@ def massless(part: Superelement, modes: int, root: "Root | None" = None) -> Redu
         reduced_stress(part, squares, shapes, moved, elastic),
         np.asarray(rows @ moved[:, 3 * part.contacts :]),
     )
-    return _reduced(part, squares, shapes, compliance, modes, stress, grown, root)
+    return _reduced(part, squares, shapes, compliance, len(squares), stress, grown, root)
 
 
 def check_count(found: int, modes: int) -> None:
@@ -248,13 +266,13 @@ def _reduced(
     strains = np.zeros(0)
     if part.strain_recovery is not None:
         strains = np.asarray(part.strain_recovery @ shapes)
-    further = {
+    matrices = {
         name: shapes.T @ (matrix @ shapes)
         for name in FURTHER
         if (matrix := getattr(part, name)) is not None
     }
     return ReducedSuperelement(
-        **further,
+        **matrices,
         frequency=np.sqrt(np.maximum(squares, 0.0)),
         contact=part.contact_rows @ shapes,
         compliance=compliance,

@@ -13,6 +13,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.further_modes import further, stiffest
 from bladewhirl.models.superelements.kept_reduction import Arrays, kept_reduction
 from bladewhirl.models.superelements.mistuned import (
     blade_products,
@@ -126,20 +127,24 @@ class WheelOverSpeeds:
         ]
 
     def at(
-        self, omega: float, factor: FloatArray | None = None
+        self, omega: float, factor: FloatArray | None = None, other: float | None = None
     ) -> tuple[Superelement, ReducedSuperelement]:
         """Return the contact nodes of the wheel and its reduction at a speed, see `massless_wheel`.
 
         Args:
             omega: speed of rotation [rad/s].
             factor: factor on the stiffness of each blade, (sectors,); None if blades are equal.
+            other: another speed, whose modes are added, see `further_modes.further`; not if blades
+                differ.
 
         Raises:
             SuperelementError: the stiffness is not positive definite at this speed.
         """
         sectors, modes = self._sectors, self._modes
         if factor is None:
-            waves = [_of_block(block, omega, modes, self._given) for block in self._blocks]
+            waves = [
+                _of_block(block, omega, modes, self._given, other=other) for block in self._blocks
+            ]
             return _expanded(self._part, sectors, waves)
         waves = [_of_block(block, omega, modes, self._given, static=True) for block in self._blocks]
         wheel, reduced = _expanded(self._part, sectors, waves)
@@ -293,7 +298,13 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
 
 
 def _of_block(
-    block: NodalBlock, omega: float, modes: int, given: Sequence[str], *, static: bool = False
+    block: NodalBlock,
+    omega: float,
+    modes: int,
+    given: Sequence[str],
+    *,
+    static: bool = False,
+    other: float | None = None,
 ) -> Arrays:
     """Return the arrays of `_reduced` at a speed [rad/s] from a block, and the shapes of the modes.
 
@@ -304,8 +315,10 @@ def _of_block(
         given: names of the optional matrices that the superelement has.
         static: whether the static displacements under the forces of blades follow the modes, as
             further orthogonal motions with their stiffness.
+        other: another speed [rad/s], whose modes are added, see `further_modes.further`.
     """
-    squares, shapes = la.eigh(block.stiffness + block.change(omega))
+    stiffness = block.stiffness + block.change(omega)
+    squares, shapes = la.eigh(stiffness)
     check_count(len(squares), modes)
     if not squares[0] > 0.0:
         raise SuperelementError(RIGID_SECTOR)
@@ -317,6 +330,15 @@ def _of_block(
     grown = touched @ moved
     steady = block.stresses @ (rest @ moved + shapes @ (loads / squares[:, None]))
     residual = (touched / stiff) @ touched.conj().T
+    if other is not None:
+        limit = stiffest(squares, block.contact @ shapes, residual)
+        others = la.eigh(block.stiffness + block.change(other))[1][:, :modes]
+        own, added = further(stiffness, np.eye(block.size), shapes, others, limit)
+        by_added, moved = added.conj().T @ block.loads / own[:, None], block.contact @ added
+        by_force = by_force - (block.stresses @ added / own) @ moved.conj().T
+        residual, grown = residual - (moved / own) @ moved.conj().T, grown - moved @ by_added
+        shapes, squares = np.hstack([shapes, added]), np.concatenate([squares, own])
+        loads = shapes.conj().T @ block.loads
     if static:
         among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
         own, turn = la.eigh((among.conj().T * stiff) @ among)
@@ -326,7 +348,7 @@ def _of_block(
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
         loads = shapes.conj().T @ block.loads
         grown = grown - (moved / own) @ (among.conj().T @ (rest.conj().T @ block.loads))
-    further = {key: getattr(block, key) for key in given}
+    matrices = {key: getattr(block, key) for key in given}
     return {
         "squares": squares,
         "shapes": shapes,
@@ -340,7 +362,7 @@ def _of_block(
         "grown": grown,
         "residual": 0.5 * (residual + residual.conj().T),
         "root": shapes.conj().T @ root_of(block.stiffness) @ shapes,
-        **{key: shapes.conj().T @ matrix @ shapes for key, matrix in further.items()},
+        **{key: shapes.conj().T @ matrix @ shapes for key, matrix in matrices.items()},
     }
 
 

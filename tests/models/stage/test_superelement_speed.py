@@ -14,6 +14,7 @@ from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -159,6 +160,27 @@ def test_contact_nodes_are_where_statics_place_them(tmp_path: Path, kind: str) -
         pressed = steady(speed, force) - steady(speed, zero)
         found = static(problem, speed, force) - static(problem, speed, zero)
         np.testing.assert_allclose(found, pressed, atol=3e-6 * np.abs(pressed).max())
+
+
+@pytest.mark.parametrize("kind", ["wheel", "blade", "sector"])
+def test_frequencies_at_each_speed_are_those_of_the_file(tmp_path: Path, kind: str) -> None:
+    """The first ten, without Coriolis forces, of coordinates that belong to the fastest speed."""
+    stage, problem = massless(tmp_path) if kind == "wheel" else of_solids(tmp_path, kind)
+    low, high = problem.change.course.range
+    fixed = np.sqrt(problem.rotor.by_copy(problem.rotor.stiffness)[0])
+    for speed in (low, 0.5 * (low + high), high):
+        turned, still = Rotation(0.0, speed, 0.0), np.zeros(len(problem.rotor.frequency))
+        columns = [
+            -problem.change.change_of_force(problem.speed, turned, unit, still)
+            for unit in np.eye(len(still))
+        ]
+        stiffness = np.diag(problem.rotor.stiffness) + np.array(columns).T
+        found = np.sqrt(np.linalg.eigvalsh(stiffness)[:10])
+        exact = np.sort(
+            (np.sqrt(stage.factor)[:, None] * stage.reduced_at(speed).frequency).ravel()
+        )
+        np.testing.assert_allclose(found, exact[:10], rtol=2e-4)
+    assert abs(fixed[0] / np.sort(stage.reduced_at(low).frequency)[0] - 1.0) > 1e-3
 
 
 def test_the_start_is_the_state_at_the_first_speed(tmp_path: Path) -> None:
