@@ -39,8 +39,8 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth, turning_disk
+from bladewhirl.models.rotation.critical_speeds import shaft_waves
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves, waves
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, whirl_modes
 
@@ -307,11 +307,10 @@ def _disk_waves(case: Case, turning: TurningDisk) -> dict[int, Waves]:
     if not structure.is_cyclic or structure.layout is None:
         raise UserError(UNEQUAL_SECTORS)
     effects, sectors = case.rotation.effects, structure.layout.sectors
-    disk = {k: waves(matrices, k, effects) for k in nodal_diameters(sectors)}
-    if case.shaft.anisotropy and turning.disk.centre.size:
-        along_x = structure.layout.basis(1).conj().T[:, turning.disk.centre[:1]].toarray()
-        disk[1] = on_unequal_bearings(disk[1], along_x.ravel(), case.shaft.anisotropy)
-    return disk
+    return {
+        k: shaft_waves(case, turning) if k == 1 else waves(matrices, k, effects)
+        for k in nodal_diameters(sectors)
+    }
 
 
 def modal_stage(case: Case, count: int | None = None) -> ModalStage:

@@ -137,8 +137,17 @@ class StageArrays:
     """Damping along the wall [N s/m], (supports,)."""
     modes_speed: float | None = None
     """Speed to which the modes belong [rad/s]; None at constant speed."""
+    critical_speed: FloatArray = absent()
+    """Lowest critical speeds [rad/s], ascending, (critical speeds,); absent at constant speed."""
+    critical_whirl: NDArray[np.str_] = absent()
+    """Whirl at each critical speed: "forward", "backward" or "elliptic", (critical speeds,)."""
     rotor_inertia: float | None = None
-    """Moment of inertia of all that turns [kg m2]; None if the speed is prescribed."""
+    """Moment of inertia of all that turns [kg m2]; None at constant speed, or if it is not
+    known."""
+    drive_torque: float | None = None
+    """Torque of the drive of a free speed [N m]; None if the speed is prescribed."""
+    drive_loss: float | None = None
+    """Torque of losses of a free speed by speed [N m s]; None if the speed is prescribed."""
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

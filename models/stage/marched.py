@@ -17,6 +17,7 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.rotation.critical_speeds import lowest_critical_speeds
 from bladewhirl.models.stage.blade_stiffness import TunedRotor, tuned_beams, tuned_sectors
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
@@ -64,10 +65,19 @@ class MarchedStage(ABC):
     @cached_property
     def arrays(self) -> StageArrays:
         """Arrays of the stage in a result."""
-        arrays = self.model.arrays
-        if self.case.march.drive is not None and isinstance(self.model, Stage):
+        arrays, march = self.model.arrays, self.case.march
+        if not march.varies:
+            return arrays
+        arrays = replace(arrays, modes_speed=self.speed)
+        if isinstance(self.model, Stage):
             arrays = replace(arrays, rotor_inertia=turning_inertia(self.model))
-        return replace(arrays, modes_speed=self.speed) if self.case.march.varies else arrays
+            if self.model.turning is not None:
+                speeds, whirls = lowest_critical_speeds(self.case, self.model.turning)
+                arrays = replace(arrays, critical_speed=speeds, critical_whirl=whirls)
+        if march.drive is not None:
+            drive = march.drive
+            arrays = replace(arrays, drive_torque=drive.torque, drive_loss=drive.loss)
+        return arrays
 
     @property
     @abstractmethod

@@ -17,6 +17,7 @@ from bladewhirl.postprocess.run.sensor_figures import sensor_spectra
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
 from bladewhirl.postprocess.shaft import spectra
+from bladewhirl.postprocess.shaft.crossings import critical_orbits
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
@@ -66,6 +67,11 @@ class RunFigures(Figures):
     def run_up(self) -> xr.Dataset:
         """Displacement of the shaft over the speed."""
         return amplitude_over_speed(self.orbit)
+
+    @property
+    def critical_orbits(self) -> xr.Dataset:
+        """Orbits of the shaft at critical speeds."""
+        return critical_orbits(self.result, self.orbit)
 
     @property
     def whirl(self) -> xr.Dataset:

@@ -62,7 +62,7 @@ def sensor_spectra(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
     """
     turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
     spectra = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
-    chosen = [*_over_time(signals)]
+    chosen = [*over_time(signals)]
     modes = [_modes(result, signal.attrs["type"]) for _, signal, _ in chosen]
     top = max([ORDERS * turns, *(high for lines in modes for _, _, high in lines)])
     for (name, signal, step), lines in zip(chosen, modes, strict=True):
@@ -102,7 +102,7 @@ def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
     if turns == 0.0:
         raise ViewError("order tracking: expected a rotor that turns")
     orders = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
-    for name, signal, step in _over_time(signals):
+    for name, signal, step in over_time(signals):
         top = max([ORDERS * turns, *(high for _, _, high in _modes(result, "strain"))])
         period = 2.0 * np.pi / float(signals.attrs["reference_frequency"])
         place, values = signal["time"].values, signal.values - signal.values.mean()
@@ -178,7 +178,7 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
     return blades
 
 
-def _over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]:
+def over_time(signals: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, float]]:
     """Yield name, signal over the coordinate `time`, and time between samples [s] of the sensors
     that sample in time; if a sensor records all blades, the signal is that of the blade that
     vibrates most.

@@ -22,6 +22,7 @@ from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.wear import wear_summary
+from bladewhirl.postprocess.shaft.crossings import crossings
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
@@ -40,6 +41,18 @@ class LineOfWhirl(TypedDict):
     rotating: float
     static: float
     share: float
+
+
+class CriticalCrossing(TypedDict):
+    """Crossing of a critical speed: its instant [s], the critical speed [rad/s] with its whirl,
+    whether the speed rises, and the largest displacement of the shaft over the turns of the rotor
+    around the instant [m]."""
+
+    time: float
+    speed: float
+    whirl: str
+    rising: bool
+    amplitude: float
 
 
 MARCH_REPORT: Mapping[str, type[float]] = {
@@ -88,6 +101,7 @@ class Summary:
     """Motion of the shaft about its mean position, rotating axes, last third [m]."""
     ripple_frequency: float | None  #: net turns per second about the mean position [Hz]
     ripple_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum of the ripple
+    critical_crossings: list[CriticalCrossing]  #: crossings of critical speeds, in order of time
     tip_displacement_max: float  #: largest displacement of a contact node over the records [m]
     contact_displacement_max: dict[str, float] | None
     """Largest displacement of a contact node in each direction [m], if it is recorded."""
@@ -251,9 +265,14 @@ def _shaft_figures(dataset: xr.Dataset, orbit: xr.Dataset | None, tips: float) -
         *("whirl_frequency_static", "whirl_frequency_error", "ripple_rms", "ripple_frequency"),
     )
     figures: dict[str, Any] = {**dict.fromkeys(numbers), "whirl_lines": [], "ripple_lines": []}
+    figures["critical_crossings"] = []
     if "centre_shape" not in dataset:
         return figures
     orbit = shaft_orbit(dataset) if orbit is None else orbit
+    names = CriticalCrossing.__annotations__
+    figures["critical_crossings"] = [
+        {name: getattr(each, name) for name in names} for each in crossings(dataset, orbit)
+    ]
     radius, late = orbit["radius"].values, late_part(orbit)
     size, about = ripple(late, "rotating")
     figures |= {

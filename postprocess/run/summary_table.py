@@ -17,7 +17,12 @@ from bladewhirl.postprocess.fields.by_blade import (
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
 from bladewhirl.postprocess.run.extremes import StressPeak, WallPeak
-from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
+from bladewhirl.postprocess.run.summary import (
+    CriticalCrossing,
+    EnergyHolders,
+    LineOfWhirl,
+    Summary,
+)
 from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.shaft.transforms import Frame
 
@@ -77,7 +82,18 @@ def _shaft(summary: Summary) -> dict[str, str]:
         ),
         "ripple about the mean position": f"{_text(summary.ripple_rms, 'm')} (rms),"
         f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating')}",
+        **_crossings(summary.critical_crossings),
     }
+
+
+def _crossings(found: list[CriticalCrossing]) -> dict[str, str]:
+    texts = [
+        f"{each['speed'] * 30.0 / np.pi:.5g} rpm ({each['whirl']},"
+        f" {'rising' if each['rising'] else 'falling'}) at {_text(each['time'], 's')}, shaft radius"
+        f" {_text(each['amplitude'], 'm')}"
+        for each in found
+    ]
+    return {"critical speeds passed": "; ".join(texts)} if texts else {}
 
 
 def _walls(peaks: dict[str, WallPeak] | None) -> dict[str, str]:

@@ -48,8 +48,9 @@ class Variable(NamedTuple):
     part: str
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
     motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
-    "gauges", "stress" at points, a flexible "casing", a "speed" that varies, or a "drive" of a
-    free speed; "" for every stage."""
+    "gauges", "stress" at points, a flexible "casing", a "speed" that varies, "critical" speeds in
+    its range, a known "inertia" of the rotation, or a "drive" of a free speed; "" for every
+    stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

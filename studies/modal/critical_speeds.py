@@ -5,17 +5,12 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modal_model import ModalModel
-from bladewhirl.models.rotation.unequal_bearings import EllipticWaves
+from bladewhirl.models.rotation.critical_speeds import ELLIPTIC_ORDERS, orders_of
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.modal.veering import spring_stiffnesses
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
-
-ORDERS = {"forward": 0, "backward": 2}
-"""Ratio of the frequency in the rotating frame to the speed of rotation, for forward and backward
-whirl at the speed of rotation. A whirl with k = 1 that goes backward in the static frame at the
-rate Omega goes backward at 2 Omega in the rotating frame."""
 
 AT_THE_CASE = (
     Column("direction", "whirl"),
@@ -60,9 +55,8 @@ def critical_speeds(
     """
     stage = modal_model(case_or_stage)
     nominal, at = stage.shaft_waves, stage.case.shaft.stiffness
-    orders, count = ORDERS, branches
-    if isinstance(nominal, EllipticWaves):
-        orders, count = {"elliptic": 0}, 2 * branches
+    orders = orders_of(nominal)
+    count = 2 * branches if orders is ELLIPTIC_ORDERS else branches
     springs = spring_stiffnesses(stage.case, None, stiffnesses)
 
     def found(waves: Waves) -> tuple[FloatArray, FloatArray]:

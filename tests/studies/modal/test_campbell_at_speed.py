@@ -13,12 +13,13 @@ from stages import oracle
 
 import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.rotation.critical_speeds import ORDERS
 from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
 from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
-from bladewhirl.studies.modal.critical_speeds import ORDERS, critical_speeds
+from bladewhirl.studies.modal.critical_speeds import critical_speeds
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 from bladewhirl.studies.runs import figures_folder
 

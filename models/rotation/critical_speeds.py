@@ -1,0 +1,60 @@
+"""Critical speeds of a bladed disk: speeds at which its shaft whirls at the speed of rotation."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.rotation.at_speed import TurningDisk
+from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_unequal_bearings
+from bladewhirl.models.rotation.waves import Waves, waves
+
+ORDERS = {"forward": 0, "backward": 2}
+"""Ratio of the frequency in the rotating frame to the speed of rotation, for forward and backward
+whirl at the speed of rotation. A whirl with k = 1 that goes backward in the static frame at the
+rate Omega goes backward at 2 Omega in the rotating frame."""
+
+ELLIPTIC_ORDERS = {"elliptic": 0}
+"""The same on unequal stationary bearings, where every whirl is an ellipse."""
+
+MOST = 4  #: largest number of critical speeds of each whirl in `lowest_critical_speeds`
+
+
+def shaft_waves(case: Case, turning: TurningDisk) -> Waves:
+    """Return the waves of nodal diameter 1 on the springs of the shaft of a case.
+
+    Raises:
+        ValueError: the sectors of the bladed disk are not equal.
+    """
+    first = waves(turning.matrices, 1, case.rotation.effects)
+    layout = turning.matrices.structure.layout
+    if case.shaft.anisotropy and turning.disk.centre.size and layout is not None:
+        along_x = layout.basis(1).conj().T[:, turning.disk.centre[:1]].toarray()
+        return on_unequal_bearings(first, along_x.ravel(), case.shaft.anisotropy)
+    return first
+
+
+def orders_of(given: Waves) -> dict[str, int]:
+    """Return the orders of the whirls at the speed of rotation, by the names of the whirls."""
+    return ELLIPTIC_ORDERS if isinstance(given, EllipticWaves) else ORDERS
+
+
+def lowest_critical_speeds(case: Case, turning: TurningDisk) -> tuple[FloatArray, NDArray[np.str_]]:
+    """Return the lowest critical speeds of a case [rad/s], (speeds,), ascending, and the whirl at
+    each, "forward", "backward" or "elliptic", (speeds,).
+
+    There are none without Coriolis forces, with a clamped centre or with unequal sectors, whose
+    waves do not have a single nodal diameter.
+    """
+    none = np.zeros(0), np.zeros(0, dtype=np.str_)
+    if case.rotation.effects != "full" or case.shaft.clamped:
+        return none
+    if not turning.matrices.structure.is_cyclic:
+        return none
+    given, speeds, whirls = shaft_waves(case, turning), list[float](), list[str]()
+    for name, order in orders_of(given).items():
+        found = given.synchronous(order)[0][:MOST].tolist()
+        speeds += found
+        whirls += [name] * len(found)
+    order_of = np.argsort(speeds, kind="stable")
+    return np.array(speeds)[order_of], np.array(whirls, dtype=np.str_)[order_of]

@@ -1,0 +1,177 @@
+"""Figures of a speed that varies: torques, orbits at critical speeds, waterfall."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from legible import assert_legible
+
+import bladewhirl as bw
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.summary import summarise
+from bladewhirl.postprocess.run.summary_table import summary_rows
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+CASE = """
+[bladed_disk]
+blades = 5
+[reduction]
+fixed_interface_modes = 15
+[excitation]
+type = "imbalance"
+unbalance = 0.002
+ramp = 0.0
+[[sensor]]
+type = "centre"
+angle = 0.0
+name = "probe"
+[march]
+time_step = "2 us"
+duration = "0.1 s"
+record_step = "0.05 ms"
+"""
+
+FREE = 'speed = "3000 rpm"\ndrive = { inertia = "2 kg m2", torque = "90 N m", loss = "0.1 N m s" }'
+TABLE = 'speed_table = [["0 s", "2400 rpm"], ["0.05 s", "9500 rpm"], ["0.1 s", "2400 rpm"]]'
+FULL = """
+[rotation]
+effects = "full"
+[shaft]
+damping = "20 kN s/m"
+damping_frame = "static"
+"""
+
+
+def result_of(march: str, further: str = "") -> xr.Dataset:
+    return march_in_memory(prepare(loads(f"{further}{CASE}{march}")))[0]
+
+
+@pytest.fixture(scope="module")
+def through() -> xr.Dataset:
+    return result_of(TABLE, FULL)
+
+
+def test_torques_of_a_free_speed_change_the_angular_momentum() -> None:
+    rub = (
+        '[casing]\ntype = "rigid"\nclearance = "0.2 mm"\n[initial]\ncentre_velocity = [0.3, 0.0]\n'
+    )
+    result = result_of(FREE, rub)
+    figure, data = RunFigures(result).draw("torques")
+    assert len(figure.axes) == 3
+    assert_legible(figure)
+    assert float(data["torque_friction"].min()) < -1.0
+    np.testing.assert_array_equal(data["torque_drive"], 90.0)
+    np.testing.assert_allclose(data["torque_loss"], -0.1 * data["speed"], rtol=1e-12)
+    inertia, kinds = float(result["rotor_inertia"]), ("drive", "loss", "friction", "other")
+    gained = np.sum([data[f"torque_{name}"].values for name in kinds])
+    span = float(np.diff(data["time"]).mean())
+    change = inertia * np.ptp(rotation.speeds(result)[[0, -1]])
+    assert float(gained) * span == pytest.approx(
+        inertia * (rotation.speeds(result)[-1] - rotation.speeds(result)[0]), abs=1e-3 * change
+    )
+    # A round wall and no static dampers: friction is all that brakes besides losses.
+    other, friction = np.abs(data["torque_other"]), np.abs(data["torque_friction"])
+    assert float(other.mean()) < 0.02 * float(friction.mean())
+    power = np.sum([data[f"power_{name}"].values for name in kinds])
+    stored = result["rotor_energy"].values
+    assert float(power) * span == pytest.approx(stored[-1] - stored[0], rel=1e-3)
+
+
+def test_a_prescribed_speed_needs_the_torque_of_its_inertia(through: xr.Dataset) -> None:
+    _, data = RunFigures(through).draw("torques")
+    model = build_stage(loads(f"{FULL}{CASE}{TABLE}")).disk.model
+    mesh, places = model.mesh, np.asarray((np.arange(200) + 0.5) / 200.0)
+    ends = mesh.points[mesh.lines]
+    at = ends[:, :1] + places[:, None] * (ends[:, 1:] - ends[:, :1])
+    weight = model.properties.at(places).line_mass * mesh.lengths[:, None] / len(places)
+    inertia = float((weight * (at**2).sum(axis=-1)).sum())
+    inertia += float((model.masses.mass * (mesh.points[model.masses.node] ** 2).sum(axis=1)).sum())
+    speed = data["speed"].values
+    rate = np.gradient(speed, data["time"].values)
+    calm = np.abs(np.gradient(rate)) < 1e-3 * np.abs(rate).max()
+    assert calm.sum() > 100
+    torque = data["torque_drive"] + data["torque_friction"]
+    # The static growth at the fastest speed adds some per mille to the moment of inertia.
+    np.testing.assert_allclose(torque[calm], inertia * rate[calm], rtol=1e-2)
+    np.testing.assert_allclose(data["power_drive"][calm], torque[calm] * speed[calm], rtol=1e-6)
+
+
+def test_orbits_at_the_crossings_of_critical_speeds(through: xr.Dataset) -> None:
+    case = loads(f"{FULL}{CASE}{TABLE}")
+    speeds = bw.critical_speeds(case, branches=4)
+    known = speeds["critical_speed"].sel(stiffness=case.shaft.stiffness, method="nearest")
+    expected = np.sort(known.values[np.isfinite(known.values)]) * np.pi / 30.0
+    np.testing.assert_allclose(through["critical_speed"], expected[:8], rtol=1e-9)
+    figure, data = RunFigures(through).draw("critical-orbits")
+    assert_legible(figure)
+    course = case.march.course(through.attrs["reference_frequency"])
+    assert course is not None
+    at = course.speed(data["time_of_crossing"].values)
+    np.testing.assert_allclose(at, data["critical_speed"], rtol=1e-6)
+    assert data["rising"].values.tolist() == sorted(data["rising"].values, reverse=True)
+    assert set(data["whirl"].values) <= {"forward", "backward"}
+    forward = data.isel(crossing=np.flatnonzero(data["whirl"] == "forward"))
+    assert forward.sizes["crossing"] == 2
+    angle = np.unwrap(np.angle(forward["path"].values @ [1.0, 1j]), axis=1)
+    turns = np.nanmax(angle, axis=1) - np.nanmin(angle, axis=1)
+    np.testing.assert_allclose(turns, 6.0 * np.pi, rtol=0.1)
+    report = dict.fromkeys(
+        ("complementarity_residual", "unsolved_steps", "dt_over_critical", "steps"), 0.0
+    )
+    summary = summarise(through, report | {"wall_time": 1.0, "us_per_step": 1.0})
+    passed = summary.critical_crossings
+    assert [each["time"] for each in passed] == data["time_of_crossing"].values.tolist()
+    assert "rpm (forward, rising) at" in summary_rows(summary)["critical speeds passed"]
+
+
+def test_no_crossing_is_said(through: xr.Dataset) -> None:
+    slow = through.assign(critical_speed=through["critical_speed"] + 2000.0)
+    with pytest.raises(ViewError, match="passes no critical speed; the lowest one is"):
+        RunFigures(slow).draw("critical-orbits")
+
+
+def test_the_waterfall_has_the_orders_of_a_vibration(through: xr.Dataset) -> None:
+    figures = RunFigures(through)
+    angle = rotation.angles(through)
+    orbit = figures.orbit
+    second = np.column_stack([np.cos(-2.0 * angle), np.sin(-2.0 * angle)])
+    figures.orbit = orbit.assign(static=(("time", "axis"), 1e-3 * second))
+    figure, data = figures.draw("waterfall")
+    assert_legible(figure)
+    assert [axes.get_title() for axes in figure.axes[:2]] == [
+        "shaft, rising speed",
+        "shaft, falling speed",
+    ]
+    changing = np.abs(data["rising"].values) == 1
+    strongest = data["frequency"].values[data["shaft"].values.argmax(axis=0)]
+    resolution = 4.0 * np.diff(data["frequency"].values)[0]
+    np.testing.assert_allclose(
+        strongest[changing], -2.0 * data["speed"].values[changing], atol=resolution
+    )
+    assert float(data["shaft"].max()) == pytest.approx(1e-3, rel=0.3)
+    top = data["speed"].values.argmax()
+    assert (data["rising"].values[: top - 2] == 1).all()
+    assert (data["rising"].values[top + 2 :] == -1).all()
+
+
+def test_the_waterfall_of_a_probe_has_the_order_of_the_imbalance(through: xr.Dataset) -> None:
+    figure, data = RunFigures(through).draw("sensor-waterfall")
+    assert_legible(figure)
+    strongest = data["probe_frequency"].values[data["probe"].values.argmax(axis=0)]
+    late = slice(len(strongest) // 3, None)
+    resolution = 4.0 * np.diff(data["probe_frequency"].values)[0]
+    np.testing.assert_allclose(strongest[late], data["probe_speed"].values[late], atol=resolution)
+
+
+def test_a_constant_speed_has_no_waterfall(through: xr.Dataset) -> None:
+    time = through["time"].values
+    steady = through.assign(
+        rotation_speed=("time", np.full(len(time), 300.0)),
+        rotation_angle=("time", 300.0 * time),
+    )
+    with pytest.raises(ViewError, match="a speed that changes"):
+        RunFigures(steady).draw("waterfall")
