@@ -1,5 +1,7 @@
 """Torques and powers on a rotor whose speed varies."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -107,7 +109,7 @@ def plot_torques(data: xr.Dataset) -> Figure:
             values = data.get(f"{quantity}_{name}")
             if values is not None and values.any():
                 axes.plot(time, values.values, color=colour, label=words)
-    entries = {}
+    entries: dict[str, Any] = {}
     for axes in panels[1:]:
         handles, labels = axes.get_legend_handles_labels()
         entries |= dict(zip(labels, handles, strict=True))
