@@ -9,9 +9,11 @@
  *
  * p is taken at half steps, with x_n^T K_1 x_{n+1} and x_n^T G^T x_{n+1} / h, which is linear in
  * x_{n+1}. A step is predicted with the acceleration of the last step. The acceleration then follows
- * from p without contact forces, and changes x_{n+1} by -h^2 (b + G x_n) times its change. Contact
- * forces of a step change p in this step, by the displacements that they cause; the rest of their
- * impulse changes the speed in the next step.
+ * from p without contact forces, and changes x_{n+1} by -h^2 (b + G x_n) times its change, and by
+ * h^2 (a - K_1 x_n) times the change of Omega^2, which is the product of the speeds at the half steps
+ * before and after n. Contact forces of a step change p in this step, by the displacements that they
+ * cause; the rest of their impulse changes the speed in the next step. With these squares, and the
+ * work of each change of p at the mean speed of two half steps, energy and works close to rounding.
  */
 #ifndef DRIVE_H
 #define DRIVE_H
@@ -30,7 +32,7 @@ static void prepare_drive(March *m, int64_t step, int first)
     r->angle[1] = s[DRIVE_ANGLE];
     r->acceleration = s[DRIVE_ACCELERATION];
     r->now = s[DRIVE_SPEED] + 0.5 * dt * r->acceleration;
-    r->square[0] = s[DRIVE_LAST] * s[DRIVE_LAST] - square;
+    r->square[0] = s[DRIVE_SQUARE] - square;
     r->square[1] = r->now * r->now - square;
     r->circulation = r->now / speed->base;
     if (m->scratch->speed.force.size > 0) {
@@ -80,14 +82,17 @@ static double momentum(const March *m, double speed, double *inertia)
     return speed * *inertia + total(carried) / m->stage.numbers->time_step;
 }
 
-/* Compute the acceleration from the predicted x_{n+1}, and add its change to x_{n+1}. */
+/* Compute the acceleration from the predicted x_{n+1}, and add its change and that of Omega^2 to
+ * x_{n+1}. */
 static void predict_drive(March *m)
 {
     const Drive *d = m->stage.drive;
     const Numbers *n = m->stage.numbers;
     const double *s = m->state->drive.at, *coupled = m->scratch->speed.coupled.at;
+    const double *stiffened = m->scratch->speed.stiffened.at;
     Rotation *r = &m->rotation;
     double dt = n->time_step, acceleration = r->acceleration, inertia;
+    double base = m->stage.speed->base * m->stage.speed->base, square = r->square[1];
     r->torque = d->torque - d->loss * r->now + damper_torque(m);
     double goal = s[DRIVE_MOMENTUM] + dt * r->torque;
     double own = d->along.size > 0 ? dot(coupled, coupled, d->along.size) : 0.0;
@@ -95,10 +100,17 @@ static void predict_drive(March *m)
         double lacks = goal - momentum(m, s[DRIVE_SPEED] + dt * acceleration, &inertia);
         double change = lacks / (dt * (inertia - own));
         acceleration += change;
-        Lanes by = splat(-dt * dt * change);
-        for (int64_t i = 0; i < d->along.size; i += LANES)
-            store(m->x.new + i, muladd(by, load(coupled + i), load(m->x.new + i)));
+        double present = s[DRIVE_SPEED] * (s[DRIVE_SPEED] + dt * acceleration) - base;
+        Lanes by = splat(-dt * dt * change), grown = splat(dt * dt * (present - square));
+        for (int64_t i = 0; i < d->along.size; i += LANES) {
+            Lanes pulled = sub(load(d->along.at + i), load(stiffened + i));
+            Lanes new = muladd(by, load(coupled + i), load(m->x.new + i));
+            store(m->x.new + i, muladd(grown, pulled, new));
+        }
+        square = present;
     }
+    r->grown = square - r->square[1];
+    r->square[1] = square;
     r->later = acceleration;
     r->half = s[DRIVE_SPEED] + dt * acceleration;
     r->next = s[DRIVE_ANGLE] + dt * r->half;
@@ -137,12 +149,14 @@ static void account_drive(March *m, int touching)
         if (c->multiplier.at[j] > 0.0)
             contact += c->multiplier.at[j]
                        * (wall_slope(m, j) - n->friction * c->sign.at[j] * n->radius);
-    /* The work of the Euler force that the change of the predicted acceleration adds. */
-    const double *coupled = m->scratch->speed.coupled.at;
-    double along = 0.0, lost = m->stage.drive->loss * r->now;
+    /* The work of the forces that the changes of acceleration and square in `predict_drive` add. */
+    const double *coupled = m->scratch->speed.coupled.at, *along = m->stage.drive->along.at;
+    const double *stiffened = m->scratch->speed.stiffened.at;
+    double work = 0.0, lost = m->stage.drive->loss * r->now, sped = r->later - r->acceleration;
     for (int64_t i = 0; i < m->scratch->speed.coupled.size; i++)
-        along += 0.5 * coupled[i] * (m->x.new[i] - m->x.old[i]);
-    m->state->work.at[PARAMETRIC] -= (r->later - r->acceleration) * along;
+        work += 0.5 * (r->grown * (along[i] - stiffened[i]) - sped * coupled[i])
+                * (m->x.new[i] - m->x.old[i]);
+    m->state->work.at[PARAMETRIC] += work;
     double damped = r->torque - m->stage.drive->torque + lost;
     double mean = 0.5 * (s[DRIVE_SPEED] + r->half), inertia;
     /* Contact changes the momentum of displacements in this step; the rest of its impulse acts on
@@ -150,19 +164,20 @@ static void account_drive(March *m, int touching)
     double moved = momentum(m, r->half, &inertia) - (s[DRIVE_MOMENTUM] + dt * r->torque);
     s[DRIVE_WORK] += dt * mean * m->stage.drive->torque;
     s[DRIVE_LOSS] += dt * mean * lost;
-    s[DRIVE_CONTACT] += mean * (dt * damped + s[DRIVE_IMPULSE] - s[DRIVE_MOVED]) + r->half * moved;
+    s[DRIVE_CONTACT] += mean * (dt * damped + s[DRIVE_IMPULSE] - s[DRIVE_MOVED] + moved);
     s[DRIVE_MOVED] = moved;
     s[DRIVE_IMPULSE] = dt * contact;
     s[DRIVE_MOMENTUM] += dt * (r->torque + contact);
     s[DRIVE_BEFORE] = r->angle[1];
     s[DRIVE_ANGLE] = r->next;
-    s[DRIVE_LAST] = r->now;
+    s[DRIVE_SQUARE] = s[DRIVE_SPEED] * r->half;
     s[DRIVE_SPEED] = r->half;
     s[DRIVE_ACCELERATION] = r->later;
 }
 
 /* Record the state of the drive, and the energy Omega p - Omega^2 (J + 2 a^T x) / 2 with the potential
- * of the forces that hold the rotor in the state at the speed `base`. */
+ * of the forces that hold the rotor in the state at the speed `base`. The energy of the tension at a
+ * half step is that with the square of its speed, where `record_speed` has the product of speeds. */
 static void record_drive(const March *m, Records *records, int64_t row)
 {
     const Drive *d = m->stage.drive;
@@ -173,7 +188,9 @@ static void record_drive(const March *m, Records *records, int64_t row)
         inertia += d->along.at[i] * (old + now);
         held += 0.5 * d->held.at[i] * (old + now);
     }
-    double speed = s[DRIVE_SPEED];
+    const SpeedScratch *tension = &m->scratch->speed;
+    double speed = s[DRIVE_SPEED], gained = m->stage.numbers->time_step * s[DRIVE_ACCELERATION];
+    held += 0.5 * speed * gained * dot(m->x.old, tension->stiffened.at, d->along.size);
     double present = s[DRIVE_MOMENTUM] - s[DRIVE_IMPULSE] + s[DRIVE_MOVED];
     records->rotor_energy.at[row] = speed * present - 0.5 * speed * speed * inertia + held;
     for (int64_t i = 0; i < DRIVE_NUMBERS; i++)

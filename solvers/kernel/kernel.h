@@ -307,12 +307,13 @@ typedef struct {
 } Speed;
 
 /* State of a free speed: angle at n - 1 and n [rad], speed at n - 1/2 [rad/s], acceleration in the last
- * step [rad/s2], speed at n - 1 [rad/s], angular momentum at n - 1/2 [N m s], the works of the
- * torque, of the loss, and of the contact forces and static dampers on the rotation [J], the speed of
- * the arrays that depend on it [rad/s], the angular impulse of the contact forces of the last step, and
- * the change of the momentum at n - 1/2 by the displacements that these forces cause [N m s]. */
+ * step [rad/s2], product of the speeds at n - 1/2 and n - 3/2 [rad2/s2], angular momentum at n - 1/2
+ * [N m s], the works of the torque, of the loss, and of the contact forces and static dampers on the
+ * rotation [J], the speed of the arrays that depend on it [rad/s], the angular impulse of the contact
+ * forces of the last step, and the change of the momentum at n - 1/2 by the displacements that these
+ * forces cause [N m s]. */
 enum {
-    DRIVE_BEFORE, DRIVE_ANGLE, DRIVE_SPEED, DRIVE_ACCELERATION, DRIVE_LAST, DRIVE_MOMENTUM,
+    DRIVE_BEFORE, DRIVE_ANGLE, DRIVE_SPEED, DRIVE_ACCELERATION, DRIVE_SQUARE, DRIVE_MOMENTUM,
     DRIVE_WORK, DRIVE_LOSS, DRIVE_CONTACT, DRIVE_CENTRE, DRIVE_IMPULSE,
     DRIVE_MOVED,
     DRIVE_NUMBERS

@@ -30,6 +30,7 @@ typedef struct {
     double wheel_speed;  /* R Omega at n + 1 [m/s] */
     double circulation;  /* Omega at n divided by the speed of the arrays of `Gyroscopic` */
     double square[2];    /* Omega^2 at n - 1 and at n, less that of the stiffness [rad2/s2] */
+    double grown;        /* change of the latter since the prediction of a free speed [rad2/s2] */
     double acceleration; /* Omega' at n [rad/s2] */
     double now;          /* Omega at n [rad/s] */
     double next;         /* psi at n + 1 [rad] */

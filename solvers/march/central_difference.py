@@ -210,7 +210,7 @@ class CentralDifference:
             lib.DRIVE_ANGLE: angle,
             lib.DRIVE_SPEED: speed - 0.5 * dt * rate,
             lib.DRIVE_ACCELERATION: rate,
-            lib.DRIVE_LAST: speed - dt * rate,
+            lib.DRIVE_SQUARE: (speed - 0.5 * dt * rate) * (speed - 1.5 * dt * rate),
             lib.DRIVE_CENTRE: speed,
             lib.DRIVE_MOMENTUM: -0.5 * dt * torque
             + problem.drive.momentum(speed, problem.change, start.rotor, start.rotor_velocity),

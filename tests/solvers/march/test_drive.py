@@ -97,11 +97,12 @@ def test_momentum_and_energy_of_a_stage_with_a_torque() -> None:
 def test_energy_of_a_stage_that_rubs() -> None:
     chunk = marched(free_stage(clearance=2e-4, ratio=0.01), 1e-6, 50_000, every=100)
     assert chunk.contact_impulse.sum() > 1.0
-    assert lost_energy(chunk) < 6e-10
+    assert lost_energy(chunk) < 5e-12
     assert chunk.rotation_speed[-1] < chunk.rotation_speed[0]
-    hard = marched(free_stage(clearance=5e-5), 1e-6, 50_000, every=100)
-    assert hard.contact_impulse.sum() > 100.0
-    assert lost_energy(hard) < 4e-8  # 2e-7 without the momentum of displacements due to contact
+    for dt in (1e-6, 2.5e-7):
+        hard = marched(free_stage(clearance=5e-5), dt, round(0.05 / dt), every=round(1e-4 / dt))
+        assert hard.contact_impulse.sum() > 100.0
+        assert lost_energy(hard) < 3e-9  # 2e-8 and 4e-7 with works at other speeds
 
 
 def test_a_coasting_march_that_is_resumed_is_the_same() -> None:
