@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from bladewhirl.models.case.blade_loss import BladeLoss
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.table import Inconsistency, path_of, value_at
@@ -69,12 +70,11 @@ def superelement_faults(case: Tables) -> Iterator[Inconsistency]:
             yield Inconsistency("casing.coating.profile", expected, (SOURCE,))
         return
     forbidden = f"not allowed together with {SOURCE}; remove this key"
-    if case.blade_loss is not None:
-        expected = "beams: a file does not say which of its matrices are those of a blade"
-        yield Inconsistency("blade_loss.blade", f"no [blade_loss], or {expected}", (SOURCE,))
     if case.sketch is not None:
         yield Inconsistency("sketch", forbidden, (SOURCE,))
     table = case.bladed_disk.superelement
+    if case.blade_loss is not None:
+        yield from _loss_faults(case.blade_loss, table.kind)
     for key, load in case.excitations.items():
         if load.acts_on == "centre" and table.kind != "wheel":
             expected = f'another excitation, or {SOURCE}.kind = "wheel", which has a centre'
@@ -112,6 +112,22 @@ def superelement_faults(case: Tables) -> Iterator[Inconsistency]:
     if table.kind == "wheel" and table.copies == 1 and needed:
         expected = f"the number of blades of the wheel, for {needed[0]}"
         yield Inconsistency(f"{SOURCE}.copies", expected)
+
+
+def _loss_faults(loss: BladeLoss, kind: str) -> Iterator[Inconsistency]:
+    """Yield errors for the loss of a blade of a superelement."""
+    if kind != "blade":
+        expected = (
+            f'no [blade_loss], or {SOURCE}.kind = "blade": a {kind} is reduced as one body, and its'
+            " file does not say which part of its mass is that of a blade"
+        )
+        yield Inconsistency("blade_loss.blade", expected, (SOURCE,))
+    elif loss.share:
+        expected = (
+            f"0 with {SOURCE}, whose file does not say which of its coordinates lie beyond a"
+            " fracture: a blade is lost as a whole"
+        )
+        yield Inconsistency("blade_loss.from", expected, (SOURCE,))
 
 
 def _rigid_faults(case: Tables) -> Iterator[Inconsistency]:

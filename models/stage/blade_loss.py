@@ -28,6 +28,7 @@ import scipy.sparse.linalg as spla
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.lost_part import BladedMesh, LostPart
 from bladewhirl.models.case.blade_loss import BladeLoss
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
@@ -197,9 +198,9 @@ def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem
     return replace(problem, loss=lost_blades)
 
 
-def loss_faults(stage: Stage) -> Iterator[Fault]:
+def loss_faults(case: Case) -> Iterator[Fault]:
     """Yield a fault if the loss of a blade is not within the march."""
-    case, loss = stage.case, stage.case.blade_loss
+    loss = case.blade_loss
     if loss is not None and not 0 < round(loss.time / case.march.time_step) < case.march.steps:
         step = case.march.time_step
         expected = f"a time within the march, from {step:g} s to below {case.march.duration:g} s"

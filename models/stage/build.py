@@ -90,7 +90,7 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
     yield from coating_faults(stage, *marched_bodies(stage))
     yield from _load_faults(stage)
     yield from _start_faults(stage)
-    yield from loss_faults(stage)
+    yield from loss_faults(stage.case)
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:

@@ -18,6 +18,7 @@ from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.critical_speeds import lowest_critical_speeds
+from bladewhirl.models.stage.blade_loss import loss_faults
 from bladewhirl.models.stage.blade_stiffness import TunedRotor, tuned_beams, tuned_sectors
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
@@ -29,6 +30,7 @@ from bladewhirl.models.stage.forced import (
     forced_superelement,
 )
 from bladewhirl.models.stage.hints import stage_hints, superelement_hints
+from bladewhirl.models.stage.lost_copies import with_lost_copies
 from bladewhirl.models.stage.speed_change import turning_inertia
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.models.stage.superelement_speed import with_speed_over_time
@@ -217,7 +219,7 @@ class MarchedNodes(MarchedStage):
         stage = self.model
         problem = with_speed_over_time(stage, stage.problem_at(stage.speed))
         stage.check_start(problem)
-        return problem
+        return with_lost_copies(stage, problem)
 
     def faults(self, problem: ContactProblem) -> Iterator[Fault]:
         """Yield faults of the time step for the modes and for the coating."""
@@ -230,6 +232,7 @@ class MarchedNodes(MarchedStage):
             yield case_fault(case, "march.time_step", f"{expected}{probable_cause(case)}")
         else:
             yield from node_coating_faults(case, self.coating, self.speed)
+        yield from loss_faults(case)
 
     def hints(self) -> tuple[str, ...]:
         return tuple(superelement_hints(self.model))

@@ -69,7 +69,8 @@ def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
     blade that is lost."""
     if "contact_displacement" in dataset:
         stored = dataset["contact_displacement"].isel(direction=direction)
-        return np.concatenate([stored[portion].values for portion in portions(dataset)])
+        moved = np.concatenate([stored[portion].values for portion in portions(dataset)])
+        return masked(dataset, moved)
     return masked(
         dataset, reduce_modes(dataset, "rotor_displacement", tip_rows(dataset)[direction])
     )

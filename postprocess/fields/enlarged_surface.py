@@ -7,6 +7,7 @@ from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.enlarged import EnlargedWall, magnify
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.nodes import (
     copy_coordinates,
     placed_contact_nodes,
@@ -30,6 +31,11 @@ class EnlargedSurface(EnlargedWall):
         super().__init__(dataset, records, factor=factor, per_element=per_element)
         rest, node = placed_points(dataset), placed_contact_nodes(dataset)
         self.blade = point_blades(dataset)  #: blade of each point (point,)
+        lost = lost_blades(dataset)
+        self._lost = np.zeros(0, dtype=np.int64) if lost is None else lost.blades
+        self._gone = np.zeros(len(records), dtype=np.bool_)
+        if lost is not None:
+            self._gone = lost.gone(dataset["time"].values[records])
         self._motion = copy_coordinates(dataset, "rotor_displacement", records)
         self.centre = np.zeros((len(records), 2))  #: displacement of the centre (record, 2) [m]
         if "centre_shape" in dataset:
@@ -58,8 +64,13 @@ class EnlargedSurface(EnlargedWall):
         return point_vectors(self._dataset, self._motion[index])
 
     def points(self, index: int) -> Array:
-        """Return the drawn points (point, 3) [m] at the index-th record."""
-        return self._magnified(self.rest, self.displacement(index), index)
+        """Return the drawn points (point, 3) [m] at the index-th record; those of a lost blade are
+        all at one point of its root."""
+        points = self._magnified(self.rest, self.displacement(index), index)
+        for blade in self._lost if self._gone[index] else ():
+            own = np.flatnonzero(self.blade == blade)
+            points[own] = points[own[np.hypot(*self.rest[own, :2].T).argmin()]]
+        return points
 
     def contact_nodes(self, index: int) -> Array:
         """Return the drawn contact nodes (contact_node, 3) [m] at the index-th record."""

@@ -14,7 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 @dataclass(frozen=True, kw_only=True)
 class Lost:
-    """Lost blades of a run, with their nodes and beams."""
+    """Lost blades of a run, with their nodes and beams; a superelement has neither."""
 
     time: float  #: time of the loss [s]
     blades: IntArray  #: numbers of the blades, (blades,)
@@ -32,8 +32,15 @@ def lost_blades(dataset: xr.Dataset) -> Lost | None:
     """Return the blades that are lost in a run; None if there are none."""
     text = str(dataset.attrs.get("case", "")) if "time_step" in dataset.attrs else ""
     loss = optional_table_of(text, "blade_loss", BladeLoss)
-    if loss is None or "rotor_line" not in dataset:
+    if loss is None:
         return None
+    blades, step = np.array(loss.blade), float(dataset.attrs["time_step"])
+    time = (round(loss.time / step) - 0.5) * step
+    if "rotor_line" not in dataset:
+        none = np.zeros(0, dtype=np.int64)
+        return Lost(
+            time=time, blades=blades, nodes=none, lines=none, node_cuts=none, line_cuts=none
+        )
     lines, points = dataset["rotor_line"].values, dataset["rotor_point"].values
     pairs = [dataset[name].values for name in ("rotor_link", "rotor_spring") if name in dataset]
     joints = np.concatenate([lines, *(each[(each >= 0).all(axis=1)] for each in pairs)])
@@ -45,7 +52,6 @@ def lost_blades(dataset: xr.Dataset) -> Lost | None:
         tips=dataset["tip_node"].values,
         centre=int(dataset["centre_node"]),
     )
-    blades, step = np.array(loss.blade), float(dataset.attrs["time_step"])
     lost = mesh.lost_with(blades, loss.share)
     cuts = points[lost.cuts]
 
@@ -54,7 +60,7 @@ def lost_blades(dataset: xr.Dataset) -> Lost | None:
         return np.asarray(lost.cuts[away.argmin(axis=1)])
 
     return Lost(
-        time=(round(loss.time / step) - 0.5) * step,
+        time=time,
         blades=blades,
         nodes=lost.nodes,
         lines=lost.lines,

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.nodes import copy_coordinates
 
 ROOT = np.sqrt(3.0)
@@ -68,7 +69,8 @@ class PointStresses:
         return np.asarray(terms.reshape(-1, shape.shape[-1]))
 
     def at(self, records: IntArray) -> Array:
-        """Return the von Mises stress [Pa], (record, point), of one copy after another."""
+        """Return the von Mises stress [Pa], (record, point), of one copy after another; zero for
+        lost blades."""
         motion = copy_coordinates(self._dataset, "rotor_displacement", records)
         terms = (self._factor * motion) @ self._modes.T
         force = self._dataset["contact_force"].isel(time=records).values
@@ -87,7 +89,13 @@ class PointStresses:
             rest = (self._dataset["steady_stress_rest"].values @ VON_MISES.T).ravel()
             terms += np.repeat(change, len(terms) // len(records))[:, None] * rest
         squares = (terms.reshape(len(records), -1, len(VON_MISES)) ** 2).sum(axis=2)
-        return np.asarray(np.sqrt(squares))
+        stress = np.sqrt(squares)
+        lost = lost_blades(self._dataset)
+        if lost is not None:
+            gone = np.flatnonzero(lost.gone(self._dataset["time"].values[records]))
+            of_copies = stress.reshape(len(records), -1, self.points)
+            of_copies[np.ix_(gone, lost.blades)] = 0.0
+        return np.asarray(stress)
 
     def together(self, most_bytes: float) -> int:
         """Return the number of records whose terms take at most a number of bytes; at least 1."""

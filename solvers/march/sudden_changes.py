@@ -21,6 +21,7 @@ from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import lib
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState, Statistics, joined
+from bladewhirl.solvers.packing.nodes import DIRECTIONS
 
 TRIALS = 4
 """Number of corrections of the velocity at a change: forces due to velocities depend on it."""
@@ -196,6 +197,8 @@ class SuddenChanges:
         }
         arrays["until"] -= 1.0
         arrays["held"][change.tips] = 0.0
+        if arrays["force"].size:
+            arrays["force"].reshape(-1, DIRECTIONS)[change.tips] = 0.0
         for name in ("gap", "gaps"):
             arrays[name][..., change.tips] = change.reach
         place = arrays["work"], lib.EXTERNAL

@@ -5,14 +5,19 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+import rod_blade
 import xarray as xr
 from places import EXAMPLES
+from solid_meshes import STEEL, cantilever
 
+import bladewhirl as bw
 from bladewhirl.models.case.file import read_case
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.by_blade import contact_motion
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
+from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.stresses import stress_history
@@ -81,3 +86,37 @@ def test_values_of_lost_blades(run: tuple[xr.Dataset, dict[str, float]]) -> None
     energy = strain_energies(result)["total"].values[after]
     assert energy.max() < 2.0 * result["energy"].values[after].max()
     assert energy.min() > 0.0
+
+
+def test_lost_3d_blades_vanish(tmp_path: Path) -> None:
+    bw.write_superelement(tmp_path / "rods.npz", rod_blade.blade())
+    given = rod_blade.tables(tmp_path / "rods.npz", blade_loss={"blade": 1, "time": 0.01})
+    result, _ = march_in_memory(prepare(bw.case_from(given)))
+    gone = result["time"].values > 0.01 - 1e-6
+    moved = contact_motion(result, 0)
+    assert np.isnan(moved[gone][:, 3:6]).all()
+    assert np.isfinite(moved[~gone]).all()
+    assert np.isfinite(moved[gone][:, [0, 1, 2, 6, 7, 8]]).all()
+    stage = EnlargedSurface(result, np.array([100, 400]), factor=2.0, per_element=1)
+    sizes = [np.ptp(stage.points(n)[stage.blade == 1], axis=0).max() for n in range(2)]
+    assert sizes[0] > 0.03
+    assert sizes[1] == 0.0
+    assert np.ptp(stage.points(1)[stage.blade == 2], axis=0).max() > 0.03
+
+
+def test_lost_3d_blades_have_no_stress(tmp_path: Path) -> None:
+    bw.write_superelement(tmp_path / "part.npz", bw.mesh3d(cantilever("hexahedron"), **STEEL))
+    given = {
+        "bladed_disk": {"superelement": {"file": str(tmp_path / "part.npz"), "copies": 3}},
+        "casing": {"type": "rigid", "clearance": 1e-4},
+        "rotation": {"effects": "centrifugal"},
+        "march": {"speed": "700 rad/s", "duration": 0.002, "time_step": 5e-7},
+        "reduction": {"free_interface_modes": 12},
+        "blade_loss": {"blade": [0, 2], "time": 0.001},
+    }
+    result, _ = march_in_memory(prepare(bw.case_from(given)))
+    last = result.sizes["time"] - 1
+    before, after = PointStresses(result).at(np.array([1, last])).reshape(2, 3, -1)
+    assert (before.max(axis=1) > 1e6).all()
+    assert (after.max(axis=1) > 1e6).tolist() == [False, True, False]
+    assert not after[[0, 2]].any()
