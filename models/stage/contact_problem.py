@@ -9,6 +9,7 @@ A tip is a place of the bladed disk that can touch the wall: the end of a blade 
 contact node of a superelement.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -649,6 +650,14 @@ class ContactProblem:
                 nodes = replace(nodes, compliance=compliance)
             rotor = replace(rotor, nodes=nodes)
         return replace(self, rotor=rotor)
+
+    @property
+    def phases(self) -> "Iterator[ContactProblem]":
+        """This problem, and those after each of its sudden changes."""
+        yield self
+        for change in (self.loss, self.fuse):
+            if change is not None:
+                yield from change.after.phases
 
     @property
     def critical_time_step(self) -> float:

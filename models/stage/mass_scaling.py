@@ -40,8 +40,6 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
     """
     if problem.coating is not None:
         raise ValueError("a casing without a coating")
-    if problem.loss is not None or problem.fuse is not None:
-        raise ValueError("a case without [blade_loss] and shaft.fuse_force")
     if not problem.casing.is_flexible:
         raise ValueError('casing.type = "ring", whose modes can be scaled')
     nodes = problem.rotor.nodes
@@ -59,7 +57,7 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
             f" {cut / (2.0 * np.pi):.4g} Hz"
         )
     scaled = with_scaled_casing(problem, cut)
-    longest = STEP_SHARE * scaled.critical_time_step
+    longest = STEP_SHARE * min(each.critical_time_step for each in scaled.phases)
     step = timing.record_step / math.ceil(timing.record_step / longest)
     if not step > timing.time_step:
         raise ValueError(
@@ -94,11 +92,17 @@ def screening_cut(problem: ContactProblem) -> float:
 
 def with_scaled_casing(problem: ContactProblem, cut: float) -> ContactProblem:
     """Return a contact problem whose casing modes above a cut-off frequency [rad/s] have scaled
-    masses."""
-    casing = problem.casing
+    masses, also after sudden changes."""
+    casing, loss, fuse = problem.casing, problem.loss, problem.fuse
     factor = np.maximum(1.0, casing.frequency / cut)
+    if loss is not None:
+        loss = replace(loss, after=with_scaled_casing(loss.after, cut))
+    if fuse is not None:
+        fuse = replace(fuse, after=with_scaled_casing(fuse.after, cut))
     return replace(
         problem,
+        loss=loss,
+        fuse=fuse,
         casing=replace(
             casing,
             frequency=np.minimum(casing.frequency, cut),

@@ -16,6 +16,7 @@ from bladewhirl.models.stage.mass_scaling import (
     screening_problem,
     with_scaled_casing,
 )
+from bladewhirl.solvers.march.scheme import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 
 
@@ -94,3 +95,27 @@ def test_a_wheel_is_screened_as_its_beams(tmp_path: Path) -> None:
     massless = exported(own, "wheel", tmp_path, **excitation)
     with pytest.raises(ValueError, match="massless nodes with a flexible casing loses energy"):
         screening_problem(prepare(massless).problem, timing)
+
+
+def test_a_stage_that_loses_a_blade_is_screened() -> None:
+    """The largest displacement of the shaft is that with the casing's own masses."""
+    changes = (
+        "march.time_step=1e-6",
+        "march.duration=0.02",
+        "march.record_step=1e-4",
+        "blade_loss={blade=3,time=0.005}",
+        "excitation={type='none'}",
+        "casing.clearance=0.2e-3",
+    )
+    built = stage(*changes)
+    problem, timing = contact_problem(built), built.case.march.timing
+    scaled, longer = screening_problem(problem, timing)
+    assert longer.time_step > 5.0 * timing.time_step
+    largest = []
+    for given, steps in ((problem, timing), (scaled, longer)):
+        scheme = make_scheme(given, steps.time_step, steps.record_every)
+        chunk = scheme.advance(scheme.init(), steps.steps)[1]
+        assert chunk.contact_impulse.any()
+        largest.append(np.linalg.norm(chunk.rotor_displacement @ given.rotor.centre.T, axis=1))
+    assert largest[0].max() > 1e-4
+    np.testing.assert_allclose(largest[1].max(), largest[0].max(), rtol=0.05)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rod_blade
 from contact_cases import run, stage_problem, thrown
 from numpy.testing import assert_array_equal
 from sweep_work import in_process
@@ -47,6 +48,30 @@ def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(
     assert not long["contact_steps"][short.sizes["time"] // 2 :].any()
     for actual in (short, long):
         assert classify(actual, strain_energies(actual)["total"].values).name == regime
+
+
+def separate_blades(folder: Path, **further: object) -> Case:
+    """Two of three separate blades touch once, and one is lost later."""
+    bw.write_superelement(folder / "rods.npz", rod_blade.blade())
+    given = rod_blade.tables(folder / "rods.npz", damping={"ratio": 0.05})
+    given["reduction"] = {"boundary": "consistent"}
+    given["casing"] = {"type": "rigid", "clearance": 3e-5}
+    given["initial"] = {"tip_velocity": [[3.0, 1.0], [3.0, 1.0], [0.0, 0.0]]}
+    given["march"] |= {"duration": 0.5, "speed": "60000 rpm"}
+    return bw.case_from(given | further)
+
+
+def test_a_march_does_not_end_before_a_blade_is_lost(tmp_path: Path) -> None:
+    ends = {}
+    for time in (None, 0.05, 0.3):
+        loss = {} if time is None else {"blade_loss": {"blade": 1, "time": time}}
+        whole = prepare(separate_blades(tmp_path, **loss))
+        stop = FreeMotion.of(whole.problem, whole.timing.time_step)
+        short, _ = march_in_memory(replace(whole, stop=stop))
+        assert short.attrs["end_reason"] == "damped"
+        assert short["contact_steps"].any()
+        ends[time] = float(short["time"][-1])
+    assert ends[None] == ends[0.05] < 0.3 < ends[0.3]
 
 
 def test_no_state_with_so_little_energy_closes_the_gap() -> None:
