@@ -312,6 +312,16 @@ class ReducedCasing:
         """
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
+    def shapes_at(self, angle: FloatArray) -> FloatArray:
+        """Return the radial and tangential displacements at angles [rad] for unit modal
+        coordinates [kg^-1/2], (angles, 2, modes)."""
+        found = np.zeros((len(angle), 2, len(self.frequency)))
+        for direction, rows in enumerate((slice(0, 2), slice(2, 4))):
+            for mode in range(len(self.frequency)):
+                field = self.nodal[:, rows, mode]
+                found[:, direction, mode] = around_wall(field, self.element_length, angle)
+        return found
+
     def take(self, modes: IntArray) -> "ReducedCasing":
         """Return the casing with the chosen modes."""
         return replace(
@@ -488,6 +498,9 @@ class Start:
     casing: FloatArray
     """Modal displacements of the casing [kg^1/2 m], (casing modes,); empty for a rigid wall."""
     casing_velocity: FloatArray  #: modal velocities of the casing [kg^1/2 m/s], (casing modes,)
+    contact_force: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    """Radial, tangential and axial contact force on each tip at t = 0 [N], (tips, 3); empty: no
+    contact. Tips of beams have no axial force."""
 
     @classmethod
     def of_rotor(
@@ -504,6 +517,7 @@ class Start:
             rotor_velocity=self.rotor_velocity[rotor_modes],
             casing=self.casing[casing_modes],
             casing_velocity=self.casing_velocity[casing_modes],
+            contact_force=self.contact_force,
         )
 
 
@@ -567,6 +581,18 @@ class ContactProblem:
         force = rotor.turning_force(displacement, velocity)
         return force + change.change_of_force(self.speed, turned, displacement, velocity)
 
+    def contact_pull(self, turned: Rotation, start: Start) -> tuple[FloatArray, FloatArray]:
+        """Return the modal forces on rotor and casing of the contact forces of a start."""
+        rotor, casing, force = self.rotor, self.casing, start.contact_force
+        if not force.any():
+            return np.zeros(len(rotor.frequency)), np.zeros(len(casing.frequency))
+        by_copy = force.reshape(rotor.copies, -1, 3)
+        pull = by_copy[..., 0] @ rotor.tip_radial + by_copy[..., 1] @ rotor.tip_tangential
+        if rotor.nodes is not None:
+            pull = pull + by_copy[..., 2] @ rotor.nodes.axial
+        pushed = casing.shapes_at(rotor.tip_angle + turned.angle)
+        return pull.ravel(), -np.einsum("td,tdm->m", force[:, :2], pushed)
+
     def clearance(self, time: float) -> FloatArray:
         """Return the clearance and its derivative by s at each node [m, 1], (nodes, 2)."""
         at_start = self.casing.clearance
@@ -624,6 +650,9 @@ class ContactProblem:
             + self.metal_recess
             - rotor.at_tips(rotor.tip_radial, start.rotor)
         )
+        if start.contact_force.size and rotor.nodes and rotor.nodes.compliance is not None:
+            pushed = start.contact_force.reshape(rotor.copies, -1, 1)
+            gap = gap - (rotor.nodes.compliance @ pushed)[:, ::3].ravel()
         if self.foreshortening is not None:
             gap = gap + self.foreshortening.opening(start.rotor)
         if self.change is not None and self.change.ends is not None:

@@ -100,6 +100,7 @@ def sweep_report(
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
                 _screening(dataset) if done and SCREENED in dataset else "",
                 f"The motion was carried from speed to speed, with {way} speed." if way else "",
+                _starts(dataset) if done and "start" in dataset else "",
             ]
         ),
         warnings=_warnings(needed, done, failed),
@@ -151,6 +152,16 @@ def _certainty(dataset: xr.Dataset) -> str:
     return (
         f"The outcome is uncertain at {len(places)} of {shares['uncertain'].size} points, where"
         f" {interval} a regime includes one half: {named}."
+    )
+
+
+def _starts(dataset: xr.Dataset) -> str:
+    """Return a sentence on the marches that start on periodic motions."""
+    done = dataset["state"] == "done"
+    count = int(((dataset["start"] == "periodic") & done).sum())
+    return (
+        f"{count} of {int(done.sum())} marches start on a periodic motion; others start at rest,"
+        " because none was found."
     )
 
 

@@ -131,6 +131,8 @@ class CentralDifference:
         arrays["gap"] = problem.initial_gap()
         arrays["until"] -= 1.0
         arrays["direction"][:, 0::2] = np.sign(turned.speed)
+        if problem.start.contact_force.size and arrays["force"].size:
+            arrays["force"] = problem.start.contact_force.reshape(arrays["force"].shape).copy()
         if problem.coating is not None:
             strain = np.atleast_2d(problem.coating.strain)
             arrays["strain"][:, : strain.shape[1]] = strain
@@ -171,8 +173,8 @@ class CentralDifference:
     def accelerations(
         self, time: float, start: Start, turned: Rotation
     ) -> tuple[FloatArray, FloatArray, float, float]:
-        """Return the modal accelerations of rotor and casing without contact, the torque on a free
-        rotor [N m], and the acceleration of the rotation [rad/s2]."""
+        """Return the modal accelerations of rotor and casing with the contact forces of the start,
+        the torque on a free rotor [N m], and the acceleration of the rotation [rad/s2]."""
         problem = self._problem
         torque, rate = 0.0, turned.acceleration
         amplitudes = np.array(
@@ -181,6 +183,10 @@ class CentralDifference:
         springs = problem.spring_force(turned.angle, np.concatenate([start.rotor, start.casing]))
         pulls = np.split(springs, [len(start.rotor)])
         pulls[0] = pulls[0] + problem.turning_force(turned, start.rotor, start.rotor_velocity)
+        pulls = [
+            pull + more
+            for pull, more in zip(pulls, problem.contact_pull(turned, start), strict=True)
+        ]
         found = []
         for name, pull in zip(("rotor", "casing"), pulls, strict=True):
             body = getattr(problem, name)

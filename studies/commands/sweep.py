@@ -39,6 +39,7 @@ def sweep(
     until: Annotated[float | None, typer.Option(metavar="WIDTH")] = None,
     screen: Annotated[bool, typer.Option("--screen")] = False,
     carry: Annotated[Literal["up", "down"] | None, typer.Option("--continue")] = None,
+    start: Literal["rest", "periodic"] = "rest",
     resume: options.Resume = None,
     yes: Annotated[bool, typer.Option("--yes")] = False,
     json: options.AsJson = False,
@@ -74,6 +75,10 @@ def sweep(
             then repeat points with an uncertain outcome at the time step of the case.
         carry: Start the march at each speed from the motion at the speed before, with rising or
             with falling speed.
+        start: Motion from which each march starts. periodic: a periodic motion of the point (see
+            bladewhirl periodic) with the largest impulse on the branch over the speed, or over the
+            first key; DIR/branches keeps the branches. Where none is found the march starts at
+            rest, and sweep.nc says so.
         resume: Finish the sweep in this folder; with a larger number of --draws or a smaller
             --until, add random draws.
         yes: Allow more than 100,000 points or long marches.
@@ -107,6 +112,7 @@ def sweep(
                     "--stop-when": stop_when,
                     "--screen": screen,
                     "--continue": carry,
+                    "--start": start if start != "rest" else None,
                 }
                 unused = ", ".join(name for name, value in new_sweep.items() if value)
                 if unused:
@@ -159,6 +165,7 @@ def sweep(
                     until=until,
                     screen=screen,
                     carry=carry,
+                    start=start,
                     watch=watch,
                 )
     except SweepFailed as error:

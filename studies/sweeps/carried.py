@@ -22,14 +22,13 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.marched import MarchedStage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
+from bladewhirl.studies.sweeps.starts import begun
 
 CONTINUE = "--continue"
 
 Carry = Literal["up", "down"]  #: direction in which the speed changes
 
 CARRIES: tuple[Carry, ...] = get_args(Carry)
-
-SPEED = "march.speed"
 
 STATES_NAME = "states"
 """Name of the folder with the final state of each march, until the sweep is complete."""
@@ -77,14 +76,12 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
 def continued(stage: MarchedStage, problem: ContactProblem, state: Start) -> ContactProblem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
-    shape = problem.start.rotor.shape
     start = replace(
         state,
-        rotor=stage.coordinates(state.rotor).reshape(shape),
-        rotor_velocity=stage.coordinates(state.rotor_velocity).reshape(shape),
+        rotor=stage.coordinates(state.rotor),
+        rotor_velocity=stage.coordinates(state.rotor_velocity),
     )
-    lasting = (replace(load, ramp=0.0) for load in problem.loads if np.isinf(load.end))
-    return replace(problem, start=start, loads=tuple(lasting))
+    return begun(problem, start)
 
 
 def write_state(path: Path, state: Start) -> None:

@@ -59,19 +59,19 @@ def march_extent(cases: Iterable[Case]) -> Extent:
     return extent
 
 
-def make_layout(extent: Extent, stage: MarchedStage) -> Layout:
+def make_layout(extent: Extent, stage: MarchedStage, *, starts: bool = False) -> Layout:
     """Return the layout of a sweep whose first point has the given stage.
 
-    The spacing of the frequencies is 1 divided by the window of the shortest march; a Hann window
-    then separates the periodic parts of a motion. The highest frequency is at most half of the
-    sampling rate of the longest record step. Only the motion of a shaft has negative
-    frequencies.
+    With `starts` its marches start on periodic motions. The spacing of the frequencies is 1 divided
+    by the window of the shortest march; a Hann window then separates the periodic parts of a
+    motion. The highest frequency is at most half of the sampling rate of the longest record step.
+    Only the motion of a shaft has negative frequencies.
     """
     nyquist = 0.5 / extent.record_step
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
     window = WINDOW_SHARE * extent.shortest
     each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
-    parts = frozenset(parts_of(stage.arrays.stored))
+    parts = frozenset(parts_of(stage.arrays.stored) | ({"start"} if starts else set()))
     lines = np.arange(-each_side if "centre" in parts else 0, each_side + 1)
     return Layout(
         parts=parts,

@@ -26,13 +26,21 @@ from bladewhirl.studies.sweeps.carried import (
     CARRY_RULE,
     CONTINUE,
     FEWEST_TURNS,
-    SPEED,
     Carry,
     carry_fault,
 )
 from bladewhirl.studies.sweeps.draws import Draws, parse_draws
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Point, stage_at
+from bladewhirl.studies.sweeps.starts import (
+    SPEED,
+    START,
+    START_RULE,
+    STARTS,
+    StartName,
+    check_start,
+    line_of,
+)
 from bladewhirl.studies.sweeps.store import Coordinates
 
 STOP_WHEN, SCREEN = "--stop-when", "--screen"
@@ -68,6 +76,7 @@ class SweepOptions:
     stop_when: StopWhen | None = None  #: condition for ending a march early, see `free_motion.RULE`
     screen: bool = False  #: whether points are screened, see `SCREEN_RULE`
     carry: Carry | None = None  #: direction in which the motion is carried, see `CARRY_RULE`
+    start: StartName = "rest"  #: motion from which marches start, see `START_RULE`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,6 +109,7 @@ class SweepPlan(SweepOptions):
         attributes |= {"screen_rule": SCREEN_RULE} if self.screen else {}
         if self.carry is not None:
             attributes |= {"carry": self.carry, "carry_rule": CARRY_RULE}
+        attributes |= {"start_rule": START_RULE} if self.start == "periodic" else {}
         return attributes
 
     @property
@@ -113,6 +123,7 @@ class SweepPlan(SweepOptions):
     def point(self, number: int, *, screen: bool = False, before: int | None = None) -> Point:
         """Return a point for a worker to march. If `screen`, masses are scaled; if `before` is
         given, the march starts from the state at the end of the point with this number."""
+        line = line_of(self.grid, number) if self.start == "periodic" else None
         digits = len(str(self.grid.size - 1))
         name = f"point_{number:0{digits}d}.nc" if self.histories else None
         return Point(
@@ -122,6 +133,8 @@ class SweepPlan(SweepOptions):
             screen=screen,
             before=None if before is None else f"point_{before}.npz",
             after=None if self.carry is None else f"point_{number}.npz",
+            branch=None if line is None else line.folder,
+            value=None if line is None else self.grid.values(number)[line.key],
         )
 
 
@@ -167,6 +180,8 @@ def plan_sweep(
     if options.carry is not None:
         others = histories or screen or stop_when or (grid.draws and grid.draws.until)
         _check_carry(case, grid, coordinates, others=bool(others))
+    if options.start == "periodic":
+        _check_start(case, grid, others=bool(screen or options.carry or histories))
     if stop_when is not None:
         try:
             FreeMotion.of(problem_of(stage), stage.case.march.time_step)
@@ -177,7 +192,7 @@ def plan_sweep(
         case=case,
         grid=grid,
         coordinates=coordinates,
-        layout=make_layout(extent, stage),
+        layout=make_layout(extent, stage, starts=options.start == "periodic"),
         **asdict(options),
         steps=extent.steps,
         history_bytes=history_bytes(extent, stage) if histories else 0,
@@ -207,6 +222,7 @@ def plan_digest(
     made_by += [dict(table)] if table else []
     made_by += [SCREEN] if options.screen else []
     made_by += [CONTINUE, options.carry] if options.carry else []
+    made_by += [START, options.start] if options.start != "rest" else []
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -231,6 +247,8 @@ def write_plan(plan: SweepPlan, directory: Path) -> None:
         document["screen"] = True
     if plan.carry is not None:
         document["carry"] = plan.carry
+    if plan.start != "rest":
+        document["start"] = plan.start
     if plan.grid.draws is not None:
         document["draws"] = _described(plan.grid.draws)
     for name, content in files.items():
@@ -270,6 +288,7 @@ def read_plan(directory: Path) -> SweepPlan:
             stop_when=None if stop_rule is None else STOPS[STOPS.index(stop_rule)],
             screen=bool(document.get("screen", False)),
             carry=None if direction is None else CARRIES[CARRIES.index(direction)],
+            start=STARTS[STARTS.index(document.get("start", "rest"))],
         )
         drawn = document.get("draws")
         draws = drawn and parse_draws(
@@ -346,6 +365,25 @@ def _check_carry(case: Case, grid: Grid, coordinates: Coordinates, *, others: bo
                     f"{CONTINUE}: expected marches of at least {FEWEST_TURNS:g} revolutions, not of"
                     f" {turns:.3g}"
                 )
+
+
+def _check_start(case: Case, grid: Grid, *, others: bool) -> None:
+    """Check that marches can start on periodic motions; `others` is true if options are given that
+    are not allowed together with this one.
+
+    Raises:
+        UserError: they cannot; the message states the reason.
+    """
+    if others:
+        raise UserError(
+            f"{START} periodic: not allowed together with --screen, {CONTINUE} and --histories"
+        )
+    for number in (0, grid.size - 1):
+        with grid.naming(number):
+            try:
+                check_start(with_values(case, grid.values(number)))
+            except UserError as reason:
+                raise UserError(f"{START} periodic: {reason.lines[0]}") from None
 
 
 def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:

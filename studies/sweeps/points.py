@@ -32,6 +32,7 @@ from bladewhirl.studies.runs.prepare import Change, prepare, screened
 from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 from bladewhirl.studies.sweeps.carried import continued, late_state, read_state, write_state
+from bladewhirl.studies.sweeps.starts import StartName, begun, start_of
 
 KEPT_STAGES = 2
 """Number of stages that a worker caches: neighbouring points of a sweep over speed have the same
@@ -55,6 +56,8 @@ class Point:
     screen: bool = False  #: whether to march with scaled masses of the casing
     before: str | None = None  #: file name of the state from which the march starts
     after: str | None = None  #: file name for the state at the end; None if it is not kept
+    branch: Path | None = None  #: folder in that of the sweep of the branch with the first motion
+    value: Value | None = None  #: value of the key of this branch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +79,8 @@ class Work:
     histories: str  #: folder of full histories
     stop_when: StopWhen | None = None  #: condition for ending a march early
     states: str = ""  #: folder of states
+    start: StartName = "rest"  #: motion from which marches start
+    directory: str = ""  #: folder of the sweep
 
 
 def march_point(work: Work, point: Point) -> Outcome:
@@ -122,8 +127,9 @@ def _body(case: Case) -> MarchedStage:
 
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:
-    name = point.history
-    prepared = prepare(stage := stage_at(case), _change(work, stage, point))
+    name, stage = point.history, stage_at(case)
+    change, record = _change(work, stage, point)
+    prepared = prepare(stage, change)
     if work.stop_when is not None:
         with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
@@ -133,7 +139,7 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         casing = "casing_displacement_max" in work.layout.variables or point.after is not None
         result, report = march_in_memory(prepared, room, casing=casing)
         _keep_state(work, stage, result, point)
-        return digest(result, report, work.layout)
+        return digest(result, report, work.layout) | record
     # A history to keep is written into its final folder, under another name until it is complete.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
@@ -143,20 +149,27 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         if work.layout is not None:
             with open_result(path) as result:
                 _keep_state(work, stage, result, point)
-                kept = digest(result, report, work.layout)
+                kept = digest(result, report, work.layout) | record
         if name is not None:
             os.replace(path, Path(work.histories) / name)
     return kept
 
 
-def _change(work: Work, stage: MarchedStage, point: Point) -> Change | None:
-    """Return the function that changes the contact problem of a point; None for no change."""
+def _change(work: Work, stage: MarchedStage, point: Point) -> tuple[Change | None, Digest]:
+    """Return the function that changes the contact problem of a point, None for no change, and the
+    data of the sweep on the start of the march."""
     if point.screen:
-        return partial(screened, stage.case)
+        return partial(screened, stage.case), {}
+    if work.start == "periodic":
+        branch = None if point.branch is None else Path(work.directory) / point.branch
+        start, record = start_of(stage, branch, point.value)
+        if start is None:
+            return None, record
+        return lambda problem, timing: (begun(problem, start), timing), record
     if point.before is None:
-        return None
+        return None, {}
     state = read_state(Path(work.states) / point.before)
-    return lambda problem, timing: (continued(stage, problem, state), timing)
+    return lambda problem, timing: (continued(stage, problem, state), timing), {}
 
 
 def _keep_state(work: Work, stage: MarchedStage, result: xr.Dataset, point: Point) -> None:

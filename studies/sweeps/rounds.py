@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, NOT_NEEDED
 from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.solvers.march.schema import SWEEP
-from bladewhirl.studies.sweeps.carried import SPEED, Carry, Chains
+from bladewhirl.studies.sweeps.carried import Carry, Chains
 from bladewhirl.studies.sweeps.plan import SweepPlan
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point
+from bladewhirl.studies.sweeps.starts import SPEED
 from bladewhirl.studies.sweeps.store import Store
 
 March = Callable[[Iterable[Point | None]], Iterator[tuple[int, Outcome]]]

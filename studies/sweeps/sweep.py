@@ -38,6 +38,7 @@ from bladewhirl.studies.sweeps.plan import (
 )
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.rounds import Rounds
+from bladewhirl.studies.sweeps.starts import StartName, follow_branches
 from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
 
@@ -104,6 +105,7 @@ def run_sweep(
     until: float | None = None,
     screen: bool = False,
     carry: Carry | None = None,
+    start: StartName = "rest",
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values, or at the points of a table, and collect the
@@ -140,6 +142,10 @@ def run_sweep(
             `screened` marks the former marches; the attribute `screen_rule` is the rule.
         carry: "up" or "down": start the march at each speed from the motion at the speed below or
             above it, so that hysteresis is seen; the attribute `carry_rule` is the rule.
+        start: "periodic" starts each march on a periodic motion, see `bladewhirl.periodic`, of the
+            branch over the speed or the first key; the folder branches/ keeps the branches. The
+            variable `start` says "rest" where none was found, `start_impulse` is the impulse per
+            revolution of the motion; the attribute `start_rule` is the rule.
         watch: progress callbacks.
 
     Warns:
@@ -161,7 +167,9 @@ def run_sweep(
         draws=parse_draws(draws, perturb, seed, until),
         table=None if table is None else point_table(table),
     )
-    options = SweepOptions(histories=histories, stop_when=stop_when, screen=screen, carry=carry)
+    options = SweepOptions(
+        histories=histories, stop_when=stop_when, screen=screen, carry=carry, start=start
+    )
     plan = plan_sweep(case, grid, options, large=large)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
@@ -221,6 +229,8 @@ def _carry_out(
         histories.mkdir(exist_ok=True)
     if plan.carry is not None:
         states.mkdir(exist_ok=True)
+    if plan.start == "periodic":
+        follow_branches(plan.case, plan.grid, directory)
     if not (directory / SWEEP_NAME).exists():
         grid, attributes = plan.grid, plan.attributes
         create(directory, grid, plan.coordinates, plan.layout, attributes, screen=plan.screen)
@@ -233,6 +243,8 @@ def _carry_out(
             histories=str(histories),
             stop_when=plan.stop_when,
             states=str(states),
+            start=plan.start,
+            directory=str(directory.absolute()),
         )
         marched = 0
         watch.progress(store.done, 0, plan.grid.size)
@@ -302,7 +314,8 @@ def _add_draws(
     table = PointTable(values=plan.grid.listed) if plan.grid.table else None
     more = replace(draws, count=count, until=until or draws.until)
     grid = make_grid(plan.case, plan.grid.over, large=True, draws=more, table=table)
-    wider = plan_sweep(plan.case, grid, SweepOptions(stop_when=plan.stop_when, screen=plan.screen))
+    options = SweepOptions(stop_when=plan.stop_when, screen=plan.screen, start=plan.start)
+    wider = plan_sweep(plan.case, grid, options)
     widened = False
     with suppress(UserError), Store(directory, wider.grid, wider.digest):
         widened = True
