@@ -28,16 +28,17 @@ Analyse modes, before a march
     speeds against the stiffness of the shaft, `stability` growth rates, `response` amplitudes under
     engine-order forces, `amplification` that by mistuning, as Datasets.
 Compute periodic rubs
-    `periodic` returns periodic motions of a 3D blade in a rigid wall, and their stability, without
-    time integration; `branch` follows one over a key of the case through folds, `resume_branch`
+    `periodic` returns periodic motions of a 3D blade in a wall, and their stability, without time
+    integration; `branch` follows one over a key of the case through folds, `resume_branch`
     continues after an interruption.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep, `drawn_case` repeats one of its random draws), `convergence` varies time step
     and modes. Each writes a folder.
 Read and draw results
-    `open_result` and `open_sweep` return Datasets, `probability` the shares of regimes in a sweep
-    with draws. Functions of a result, or of a time window of a result in seconds: the shaft
+    `open_result`, `open_sweep` and `open_branch` return Datasets, `probability` the shares of
+    regimes in a sweep with draws. Functions of a result, or of a time window of a result in
+    seconds: the shaft
     (`shaft_orbit`, `whirl_history`, `shaft_spectrum`, `shaft_spectrogram`, `poincare_map`), blades
     and casing (`gap`, `contact_force`, `tip_displacement`, `casing_displacement`,
     `stress_history`, `contact_classes`, `contact_phase`, `tip_timing`), the coating (`wear`),

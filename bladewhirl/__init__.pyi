@@ -22,6 +22,7 @@ from .postprocess.fields.nodes import displacement as displacement
 from .postprocess.fields.result import ResultError as ResultError
 from .postprocess.fields.result import open_result as open_result
 from .postprocess.paraview.series import export_vtk as export_vtk
+from .postprocess.periodic.dataset import open_branch as open_branch
 from .postprocess.pictures.offscreen import OffScreenError as OffScreenError
 from .postprocess.plotting.style import save_figure as save_figure
 from .postprocess.run.blade_contact import contact_classes as contact_classes

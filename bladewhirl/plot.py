@@ -9,8 +9,8 @@
 Most functions draw a result of `bw.open_result` in a time window [s], or a sweep of
 `bw.open_sweep`, as their docstring says. Each draws the figure of the same name of
 `bladewhirl plot`, with underscores for hyphens. `campbell`, `veering`, `critical_speeds` and
-`response` draw datasets of the functions of `bw` with these names, and `shaft_veering` draws a
-dataset of `bw.veering`.
+`response` draw datasets of the functions of `bw` with these names, `shaft_veering` draws a dataset
+of `bw.veering`, and `branch` and `backbone` draw those of `bw.branch` or `bw.open_branch`.
 """
 
 from __future__ import annotations
@@ -60,11 +60,27 @@ def _plot(name: str) -> Plot:
 _names = sorted({*RUN_FIGURES, *SWEEP_FIGURES})
 _plots = {name.replace("-", "_"): _plot(name) for name in _names}
 globals().update(_plots)
-__all__ = sorted([*_plots, "campbell", "critical_speeds", "response", "shaft_veering", "veering"])
+_of_modes = ("campbell", "critical_speeds", "response", "shaft_veering", "veering")
+__all__ = sorted([*_plots, "backbone", "branch", *_of_modes])
 
 if TYPE_CHECKING:
 
     def __getattr__(name: str) -> Plot: ...
+
+
+def backbone(*branches: xr.Dataset) -> Figure:
+    """Draw the amplitudes of branches over one key, and a line through their peaks."""
+    from bladewhirl.postprocess.periodic.backbone import backbone as joined
+    from bladewhirl.postprocess.periodic.backbone import plot_backbone
+
+    return plot_backbone(joined(branches[0], branches[1:]))
+
+
+def branch(data: xr.Dataset, *sweeps: xr.Dataset) -> Figure:
+    """Draw a branch of periodic motions, with points of sweeps over its key."""
+    from bladewhirl.postprocess.periodic.branch import plot_branch, with_marches
+
+    return plot_branch(with_marches(data, sweeps))
 
 
 def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating") -> Figure:

@@ -20,6 +20,7 @@ from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import (
+    BRANCH_FIGURES,
     RUN_FIGURES,
     SWEEP_FIGURES,
     FigureKind,
@@ -204,6 +205,7 @@ GENERATED = {
     "sweeps": partial(schema_table, SWEEP),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
+    "branch-figures": partial(figures, BRANCH_FIGURES, drawn=True),
     "api": api,
     "licences": licences.table,
 }

@@ -1,4 +1,4 @@
-"""Registry of the figures of a run and of a sweep: names, captions, and functions.
+"""Registry of the figures of runs, sweeps and branches: names, captions, and functions.
 
 A new figure needs a function that computes its dataset, a function that draws the dataset, and an
 entry in `figures.toml`. The command line, its help, reports and `bladewhirl.plot` then contain the
@@ -46,8 +46,8 @@ def _figures(source: str) -> Mapping[str, FigureKind]:
     return {name: FigureKind(name=name, **entry) for name, entry in entries.items()}
 
 
-RUN_FIGURES, SWEEP_FIGURES = _figures("run"), _figures("sweep")
-"""Figures of a run, and of a sweep."""
+RUN_FIGURES, SWEEP_FIGURES, BRANCH_FIGURES = map(_figures, ("run", "sweep", "branch"))
+"""Figures of a run, of a sweep, and of a branch of periodic motions."""
 
 REPLACED: Mapping[str, str] = {"energy-cyclic": "energy-families"}
 """Deprecated figure names and their replacements."""

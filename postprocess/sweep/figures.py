@@ -1,5 +1,6 @@
 """Figures of a sweep by name, see `plotting.registry`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -16,11 +17,16 @@ LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "contact-nodes", "node-spect
 
 
 class SweepFigures(Figures):
-    """Figures of a sweep against the speed or, if the speed is not swept, against the first key."""
+    """Figures of a sweep against the speed or, if the speed is not swept, against the first key.
 
-    def __init__(self, dataset: xr.Dataset) -> None:
-        """Use a dataset from `open_sweep`, which must stay open."""
-        super().__init__(SWEEP_FIGURES, dataset, main_key(dataset))
+    Args:
+        dataset: from `open_sweep`; it must stay open.
+        branches: branches of periodic motions, which maps show, see `open_branch`.
+    """
+
+    def __init__(self, dataset: xr.Dataset, branches: Sequence[xr.Dataset] = ()) -> None:
+        self.dataset, self.key, self.branches = dataset, main_key(dataset), branches
+        super().__init__(SWEEP_FIGURES, dataset, self.key)
 
 
 def leave_figures(directory: Path) -> dict[str, str]:

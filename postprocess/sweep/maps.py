@@ -1,19 +1,22 @@
 """Maps over two swept keys: regime, largest displacement of the shaft, growth rate."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, SymLogNorm
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.periodic.dataset import fixed, of_sweep
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.legends import Group
@@ -42,12 +45,14 @@ CROSSED: Mapping[str, Any] = {"hatch": "xxx", "edgecolor": "#777777", "linewidth
 DOUBTFUL = "growth rate within two standard errors of zero"
 
 
-def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
+def sweep_maps(dataset: xr.Dataset, key: str, branches: Sequence[xr.Dataset] = ()) -> xr.Dataset:
     """Return regime, largest displacement [m] and growth rate [1/s] over two swept keys.
 
     Args:
         dataset: from `open_sweep`, with two or more swept keys.
         key: swept key on the horizontal axis; the first other key is on the vertical axis.
+        branches: branches of periodic motions over one of both keys, from `open_branch`; the value
+            of the other key is that of their case.
 
     Returns:
         Dataset over (line, vertical key, key), with a line for each combination of all further
@@ -55,8 +60,12 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
         `growth_rate` and its standard error `growth_error`; attributes `along`, the horizontal key,
         and `across`, the vertical key.
 
+        With branches over (branch, point): `branch_along`, `branch_across`, `branch_stable` and
+        `branch_kind`.
+
     Raises:
-        ViewError: only one key is swept, no point is finished, or there is a table of points.
+        ViewError: only one key is swept, no point is finished, there is a table of points, or a
+            branch is over another key.
     """
     need_a_grid(dataset)
     others = [name for name in swept(dataset) if name != key]
@@ -66,12 +75,37 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
     largest, what = largest_motion(dataset)
     data = in_order(dataset, ["regime", largest, "growth_rate", "growth_error"])
     growth = ", growth" if np.isfinite(data["growth_rate"].values).any() else ""
+    if lines and branches:
+        raise ViewError("expected a sweep over two keys to lay branches over its maps")
     return (
         as_lines(data, lines)
         .transpose(LINE, across, key)
         .assign_attrs(title=f"regime, displacement of the {what}{growth}")
         .assign_attrs(along=key, across=across, largest=largest)
+        .assign(_laid(dataset, branches, key, across))
     )
+
+
+def _laid(
+    dataset: xr.Dataset, branches: Sequence[xr.Dataset], key: str, across: str
+) -> dict[str, Any]:
+    """Return the variables of branches in maps over two swept keys, see `sweep_maps`."""
+    if not branches:
+        return {}
+    factors = [of_sweep(branch, dataset) for branch in branches]
+    most = max(each.sizes["point"] for each in branches)
+    rows: dict[str, list[Array]] = {name: [] for name in ("along", "across", "stable", "kind")}
+    for branch, factor in zip(branches, factors, strict=True):
+        own = str(branch.attrs["key"]).replace(".", "_")
+        values = {own: factor * branch["parameter"].values}
+        other = key if own == across else across
+        values[other] = np.full(branch.sizes["point"], fixed(branch, dataset, other))
+        found = {"along": values[key], "across": values[across]}
+        found |= {name: branch[name].values.astype(float) for name in ("stable", "kind")}
+        for name, each in found.items():
+            padded = np.pad(each, (0, most - len(each)), constant_values=np.nan)
+            rows[name].append(padded)
+    return {f"branch_{name}": (("branch", "point"), np.stack(each)) for name, each in rows.items()}
 
 
 @style.styled
@@ -81,7 +115,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate can
     be judged at no point, the map of growth rates is left out.
     """
-    maps = drawing.in_handy_units(maps)
+    given, maps = maps, drawing.in_handy_units(maps)
     shown, titles = drawing.chosen(maps.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(maps)
     along, across = str(maps.attrs["along"]), str(maps.attrs["across"])
     largest = maps[str(maps.attrs["largest"])]
@@ -114,6 +148,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         if len(pictures) > 1:
             crossed = np.ma.masked_where(~doubtful[number], growth[number])
             _draw_cells(row[2], maps, crossed, cmap=ListedColormap(["white"]), **CROSSED)
+        for axes in row:
+            _draw_branches(axes, maps, given)
         for axes in row[: columns if narrow else 1]:
             drawing.key_axis(axes, maps, of_y=True, key=across, share=0.5)
     for axes in rows[-1, -1:] if narrow else rows[-1]:
@@ -130,12 +166,35 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             # above the axis in rpm
             pad=0.02 + (0.14 / len(shown) if of_speed and not narrow else 0.0),
         )
-    entries = regime_entries(regime_names(maps))
+    entries: list[tuple[Artist | tuple[Artist, ...], str]] = []
+    entries += regime_entries(regime_names(maps))
     if doubtful[shown].any():
         entries.append((Patch(facecolor="white", **CROSSED), DOUBTFUL))
+    if "branch_along" in given:
+        line = Line2D([], [], color="black")
+        entries.append((line, "periodic motions (dashed: unstable, dots: bifurcations)"))
     group = Group(entries, "" if len(pictures) > 1 else NOT_JUDGED)
     drawing.title_figure(figure, maps, group, most=drawing.MOST_ROWS)
     return figure
+
+
+def _draw_branches(axes: Axes, maps: xr.Dataset, given: xr.Dataset) -> None:
+    """Draw the branches of maps whose keys have convenient units; `given` has SI units."""
+    if "branch_along" not in given:
+        return
+    place = []
+    for name in ("along", "across"):
+        key = str(maps.attrs[name])
+        largest = int(np.abs(given[key].values).argmax())
+        factor = float(maps[key].values[largest] / given[key].values[largest])
+        place.append(factor * given[f"branch_{name}"].values)
+    for x, y, stable, kind in zip(
+        *place, given["branch_stable"].values, given["branch_kind"].values, strict=True
+    ):
+        for wide, colour in ((2.4, "white"), (1.0, "black")):
+            axes.plot(x, np.where(stable == 0.0, y, np.nan), "--", color=colour, linewidth=wide)
+            axes.plot(x, np.where(stable == 1.0, y, np.nan), color=colour, linewidth=wide)
+        axes.plot(x[kind > 0], y[kind > 0], "ok", mec="white", markersize=3.5)
 
 
 def _draw_cells(axes: Axes, maps: xr.Dataset, values: Array, **look: Any) -> Collection:

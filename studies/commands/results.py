@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -11,6 +11,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.plotting.registry import (
+    BRANCH_FIGURES,
     REPLACED,
     RUN_FIGURES,
     SWEEP_FIGURES,
@@ -41,6 +42,8 @@ def plot(
                     *captions(RUN_FIGURES),
                     "Figures of a sweep:",
                     *captions(SWEEP_FIGURES),
+                    "Figures of a branch of periodic motions:",
+                    *captions(BRANCH_FIGURES),
                 ]
             ).replace("[", r"\["),
             show_default=False,
@@ -48,20 +51,25 @@ def plot(
     ] = None,
     start: options.Start = None,
     end: options.End = None,
+    others: Annotated[list[Path] | None, typer.Option("--with", metavar="DIR")] = None,
     output: options.Output = None,
     format_name: Annotated[Literal["png", "pdf", "svg"] | None, typer.Option("--format")] = None,
     width: Annotated[float | None, typer.Option(metavar="MM", min=40, max=500)] = None,
     title: str | None = None,
     overwrite: options.Replace = False,
 ) -> None:
-    """Draw figures of a run or a sweep, with the data of each figure as netCDF.
+    """Draw figures of a run, a sweep, or a branch of `bladewhirl periodic --over`, with the data of
+    each figure as netCDF.
 
     Without a NAME the available figures are listed. If figures of several NAMEs cannot be drawn,
     the others are drawn first. Without a time window, spectrum and
     contact-classes of a run show the last third of the time.
 
     Args:
-        directory: Folder of a run or a sweep, or its result.nc or sweep.nc.
+        directory: Folder of a run, a sweep or a branch, or its result.nc, sweep.nc or branch.nc.
+        others: Folder to lay over the figures; may be given several times. A sweep over the key of
+            a branch gives points over the figure branch, further branches give the figure
+            backbone, and branches over one of the two keys of a sweep are lines in its maps.
         output: Folder for the figures; by default DIR/plots.
         format_name: Format of the pictures. By default both png and pdf.
         width: Width of a figure [mm]: 85 for a column, 170 for a page.
@@ -74,7 +82,7 @@ def plot(
 
     formats = [format_name] if format_name else FORMATS
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
-    with _opened(directory, start, end) as (kinds, figures):
+    with _opened(directory, start, end, others or []) as (kinds, figures):
         if not names:
             typer.echo("\n".join(captions(figures.kinds)))
             return
@@ -110,33 +118,50 @@ def _unknown(names: Sequence[str], kinds: Mapping[str, FigureKind]) -> Iterator[
         yield f"{name}: expected {REPLACED[name]}, which replaces it"
     if unknown:
         kind = "a sweep has" if kinds is SWEEP_FIGURES else "a run has"
+        kind = "a branch has" if kinds is BRANCH_FIGURES else kind
         yield f"{', '.join(unknown)}: {kind} the figures {', '.join(kinds)}; or {ALL}"
 
 
 @contextmanager
 def _opened(
-    directory: Path, start: float | None, end: float | None
+    directory: Path, start: float | None, end: float | None, others: Sequence[Path]
 ) -> Iterator[tuple[Mapping[str, FigureKind], Figures]]:
-    """Yield the registry and the figures of a run or of a sweep; modules for the other kind are not
-    loaded."""
+    """Yield the registry and the figures of a run, a sweep or a branch, with other sweeps or
+    branches laid over them; modules for the other kinds are not loaded."""
+    from bladewhirl.postprocess.periodic.dataset import BRANCH_NAME, open_branch
     from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 
-    in_folder = (directory / SWEEP_NAME).is_file()
-    if in_folder if directory.is_dir() else directory.name == SWEEP_NAME:
-        from bladewhirl.postprocess.sweep.figures import SweepFigures
+    of_sweep, of_branch = (_holds(directory, name) for name in (SWEEP_NAME, BRANCH_NAME))
+    if (of_sweep or of_branch) and (start is not None or end is not None):
+        kind = "sweep" if of_sweep else "branch"
+        raise UserError(f"{directory}: omit --from and --to, because a {kind} has no time window")
+    with ExitStack() as stack:
+        laid = [
+            stack.enter_context(open_sweep(each)) if _holds(each, SWEEP_NAME) else open_branch(each)
+            for each in others
+        ]
+        if of_sweep:
+            from bladewhirl.postprocess.sweep.figures import SweepFigures
 
-        if start is not None or end is not None:
-            raise UserError(
-                f"{directory}: omit --from and --to, because a sweep has no time window"
-            )
-        with open_sweep(directory) as sweep:
-            yield SWEEP_FIGURES, SweepFigures(sweep)
-        return
-    from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.run.figures import RunFigures
+            sweep = stack.enter_context(open_sweep(directory))
+            yield SWEEP_FIGURES, SweepFigures(sweep, laid)
+        elif of_branch:
+            from bladewhirl.postprocess.periodic.figures import BranchFigures
 
-    with open_result(directory) as result:
-        yield RUN_FIGURES, RunFigures(result, start, end)
+            yield BRANCH_FIGURES, BranchFigures(open_branch(directory), laid)
+        elif others:
+            raise UserError(f"{directory}: omit --with, which sweeps and branches have, not runs")
+        else:
+            from bladewhirl.postprocess.fields.result import open_result
+            from bladewhirl.postprocess.run.figures import RunFigures
+
+            result = stack.enter_context(open_result(directory))
+            yield RUN_FIGURES, RunFigures(result, start, end)
+
+
+def _holds(directory: Path, name: str) -> bool:
+    """Return whether a path is a folder with a file of this name, or such a file."""
+    return (directory / name).is_file() if directory.is_dir() else directory.name == name
 
 
 def export(

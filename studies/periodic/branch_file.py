@@ -10,30 +10,8 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.solvers.periodic.bifurcation import KINDS
-
-BRANCH_NAME = "branch.nc"
-NODES = ("instant", "node")
-
-KIND_NAMES = dict(enumerate(("none", *KINDS)))  #: names of the numbers of `kind`
-
-VARIABLES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
-    "parameter": ((), "", "value of the key"),
-    "speed_rad_s": ((), "rad/s", "speed of rotation"),
-    "impulse_per_revolution": ((), "N s", "normal impulse per revolution"),
-    "residual": ((), "1", "residual of the equations"),
-    "kind": ((), "1", "bifurcation: " + ", ".join(f"{n} {name}" for n, name in KIND_NAMES.items())),
-    "shift": ((), "", "change of the parameter of a bifurcation with twice as many instants"),
-    "heading": ((), "1", "change of the parameter along the branch, with its sign"),
-    "multiplier_real": (("multiplier",), "1", "real part of the multiplier"),
-    "multiplier_imaginary": (("multiplier",), "1", "imaginary part of the multiplier"),
-    "normal_force": (NODES, "N", "normal force"),
-    "slip_direction": (NODES, "rad", "angle of the direction of sliding from the tangent"),
-    "contact_displacement": ((*NODES, "direction"), "m", "displacement of the contact nodes"),
-    "amplitude": (("order", "node", "direction"), "m", "amplitude of the harmonics"),
-}
-"""Dimensions after `point`, unit and name of each variable of a branch."""
+from bladewhirl.models.inputs.errors import writing
+from bladewhirl.postprocess.periodic.dataset import VARIABLES
 
 Row = Mapping[str, Any]
 """Values of `VARIABLES` at a point."""
@@ -111,22 +89,6 @@ def dataset(
         for name, (dimensions, unit, label) in VARIABLES.items()
     }
     return xr.Dataset(data, dict(coordinates), dict(attributes))
-
-
-def read(path: Path) -> xr.Dataset:
-    """Return the Dataset of the file of a branch.
-
-    Raises:
-        UserError: it cannot be read or contains no points of a branch.
-    """
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as data:
-            loaded = data.load()
-    except (OSError, ValueError) as error:
-        raise UserError(f"{path}: expected the file of a branch ({error})") from None
-    if not set(VARIABLES) <= set(loaded.variables) or not loaded.sizes["point"]:
-        raise UserError(f"{path}: expected the file of a branch with at least one point")
-    return loaded
 
 
 def rows(data: xr.Dataset) -> list[Row]:

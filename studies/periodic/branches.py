@@ -17,20 +17,23 @@ from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.postprocess.periodic.branch import plot_branch
+from bladewhirl.postprocess.periodic.dataset import (
+    BRANCH_NAME,
+    KIND_NAMES,
+    open_branch,
+    with_stability,
+)
 from bladewhirl.solvers.periodic import bifurcation
 from bladewhirl.solvers.periodic.blade import Blade, Grid, alike, between, comparable
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.search import prolonged
 from bladewhirl.studies.modal.study import Study
-from bladewhirl.studies.periodic.branch_figures import plot_branch
 from bladewhirl.studies.periodic.branch_file import (
-    BRANCH_NAME,
-    KIND_NAMES,
     BranchFile,
     Row,
     dataset,
-    read,
     rows,
 )
 from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, check_periods, found_motion
@@ -247,7 +250,7 @@ def resume_branch(
         UserError: the folder has no branch, or cannot be written.
     """
     folder = Path(directory)
-    data = read(folder / BRANCH_NAME)
+    data = open_branch(folder)
     if "ended" in data.attrs:
         return _derived(data)
     case, known = read_case(folder / CASE_NAME), data.attrs
@@ -459,8 +462,7 @@ def _derived(data: xr.Dataset) -> xr.Dataset:
     if not data["impulse_per_revolution"].any():
         where = f"from {data.attrs['start']:g} to {data.attrs['stop']:g} {data.attrs['unit']}"
         raise UserError(f"branch: {data.attrs['key']} {where}: no contact".replace(" :", ":"))
-    size = np.hypot(data["multiplier_real"].values, data["multiplier_imaginary"].values)
-    return data.assign(stable=("point", size.max(axis=1) < 1.0))
+    return with_stability(data)
 
 
 def report(data: xr.Dataset) -> Study:

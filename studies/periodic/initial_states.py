@@ -15,17 +15,17 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, Start
 from bladewhirl.models.stage.marched import MarchedStage, marched_stage
+from bladewhirl.postprocess.periodic.dataset import BRANCH_NAME, open_branch
 from bladewhirl.solvers.periodic.blade import DIRECTIONS, Blade, Grid, lasts
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.corotating import CorotatingContact, corotating_contact
 from bladewhirl.solvers.periodic.search import periodic_motion, prolonged, refined
 from bladewhirl.studies.periodic import corotating
-from bladewhirl.studies.periodic.branch_file import BRANCH_NAME, read
 from bladewhirl.studies.periodic.branches import branch, resume_branch
 from bladewhirl.studies.periodic.motions import blade_of
 from bladewhirl.studies.sweeps.axes import NUMBER, Value
 
-INSTANTS, POINTS = 128, 20
+INSTANTS, POINTS = 256, 20
 """Instants of the points of a branch, and number of its longest steps over the swept values."""
 LIKE = 0.1
 """Largest difference of the impulse of a motion from that of the branch, relative to the latter."""
@@ -152,7 +152,7 @@ def _first_motion(blade: Blade, directory: Path | None, value: Value | None) -> 
 def _of_branch(blade: Blade, directory: Path, value: float) -> Iterator[tuple[Motion, float]]:
     """Yield motions of a branch at a value as guesses, with their impulses; stable ones first, then
     by falling impulse."""
-    points = read(directory / BRANCH_NAME)
+    points = open_branch(directory)
     points = points.isel(point=points["kind"].values == 0)
     place, impulse = points["parameter"].values, points["impulse_per_revolution"].values
     parts = [points[f"multiplier_{part}"].values for part in ("real", "imaginary")]

@@ -7,9 +7,9 @@ import numpy as np
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.periodic.dataset import BRANCH_NAME, open_branch
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import Motion
-from bladewhirl.studies.periodic.branch_file import BRANCH_NAME, read
 
 FEWEST_RECORDS = 64  #: records of a run in a period of the motion
 INSTANTS = 256  #: instants of the motion of a run
@@ -29,7 +29,7 @@ def motion_of(folder: Path, blade: Blade) -> Motion:
 
 
 def _of_branch(folder: Path, blade: Blade) -> Motion:
-    last = read(folder / BRANCH_NAME).isel(point=-1)
+    last = open_branch(folder).isel(point=-1)
     nodes, periods = last["normal_force"].shape[1], int(last.attrs.get("periods", 1))
     if nodes != blade.nodes or periods != blade.periods:
         raise UserError(

@@ -11,6 +11,7 @@ from synthetic_sweep import synthetic_sweep
 import bladewhirl as bw
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import (
+    BRANCH_FIGURES,
     RUN_FIGURES,
     SWEEP_FIGURES,
     FigureKind,
@@ -21,7 +22,9 @@ def test_importing_the_registry_imports_no_plotting_library() -> None:
     assert not {"numpy", "matplotlib", "xarray"} & loaded("import bladewhirl.plot")
 
 
-@pytest.mark.parametrize("kind", [*RUN_FIGURES.values(), *SWEEP_FIGURES.values()])
+@pytest.mark.parametrize(
+    "kind", [*RUN_FIGURES.values(), *SWEEP_FIGURES.values(), *BRANCH_FIGURES.values()]
+)
 def test_captions_are_sentences(kind: FigureKind) -> None:
     assert kind.about[0].isupper()
     assert not kind.about.endswith(".")
@@ -32,6 +35,7 @@ def test_captions_are_sentences(kind: FigureKind) -> None:
 def test_every_figure_has_a_documented_function() -> None:
     names = {name.replace("-", "_") for name in (*RUN_FIGURES, *SWEEP_FIGURES)}
     of_modes = {"campbell", "critical_speeds", "response", "veering", "shaft_veering"}
+    of_modes |= {name.replace("-", "_") for name in BRANCH_FIGURES}
     assert set(bw.plot.__all__) == names | of_modes
     for name in names | of_modes:
         function = getattr(bw.plot, name)

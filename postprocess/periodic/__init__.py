@@ -1,0 +1,1 @@
+"""Branches of periodic motions: their file and figures."""
