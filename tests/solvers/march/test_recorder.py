@@ -37,7 +37,7 @@ SUPPORTS = {
     "casing.springs": [{"angle": 0.0, "radial": 1e6}, {"angle": 2.0, "tangential": 1e5}],
     "casing.struts": [{"angle": 3.0, "length": 0.2}],
 }
-NO_BEAMS = ("nodes", "points", "gauges", "stress", "speed", "drive")
+NO_BEAMS = ("nodes", "points", "gauges", "stress", "speed", "drive", "critical", "inertia")
 """Parts that stages of beams at a constant speed do not have."""
 
 ATTRIBUTES: dict[str, Attribute] = {
