@@ -137,6 +137,8 @@ class StageArrays:
     """Damping along the wall [N s/m], (supports,)."""
     modes_speed: float | None = None
     """Speed to which the modes belong [rad/s]; None at constant speed."""
+    sudden_changes: int | None = None
+    """Number of sudden changes of the rotor that can occur; None without them."""
     critical_speed: FloatArray = absent()
     """Lowest critical speeds [rad/s], ascending, (critical speeds,); absent at constant speed."""
     critical_whirl: NDArray[np.str_] = absent()

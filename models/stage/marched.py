@@ -68,6 +68,11 @@ class MarchedStage(ABC):
     def arrays(self) -> StageArrays:
         """Arrays of the stage in a result."""
         arrays, march = self.model.arrays, self.case.march
+        changes = sum(
+            each is not None for each in (self.case.blade_loss, self.case.shaft.fuse_force)
+        )
+        if changes:
+            arrays = replace(arrays, sudden_changes=changes)
         if not march.varies:
             return arrays
         arrays = replace(arrays, modes_speed=self.speed)

@@ -12,12 +12,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.result import reduce_modes
-from bladewhirl.postprocess.fields.strains import strain_energy_rows
 from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -83,12 +83,14 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
 
     The first group is the suspension, the last group all other modes. Between them the first blade
     family has a group for each nodal diameter. Without families of modes the last group is the only
-    one. After a loss of blades the last group lacks the strain energy of the lost beams.
+    one. After a loss of blades, or after a support has fused, the sum is the strain energy of what
+    remains; the groups are those of the modes before, and the last group has the rest.
     """
     stage = result.variables
     if "rotor_family" not in stage:
         whole = 0.5 * stage["rotor_frequency"].values[None] ** 2
-        return reduce_modes(result, "rotor_displacement", whole, np.square), np.zeros(0, np.int64)
+        energy = reduce_modes(result, "rotor_displacement", whole, np.square)
+        return energy, np.zeros(0, np.int64)
     family, diameter = stage["rotor_family"].values, stage["rotor_nodal_diameter"].values
     first = family == FIRST_FAMILY
     diameters = np.unique(diameter[first])
@@ -96,12 +98,18 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
     groups.append(~np.logical_or.reduce(groups))
     weights = 0.5 * stage["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
     energy = reduce_modes(result, "rotor_displacement", weights, np.square)
-    lost = lost_blades(result)
-    if lost is not None:
-        gone = lost.gone(result["time"].values)
-        of_lost = reduce_modes(result, "rotor_displacement", strain_energy_rows(result, lost.lines))
-        energy[gone, -1] -= (of_lost[gone] ** 2).sum(axis=1)
+    if "strain_energy" in stage:
+        changed = _changed(result)
+        total = stage["strain_energy"].values[changed]
+        energy[changed, -1] = total - energy[changed, :-1].sum(axis=1)
     return energy, diameters
+
+
+def _changed(result: xr.Dataset) -> BoolArray:
+    """Return whether blades are lost or the support has fused at every record, (time,)."""
+    time, lost = result.variables["time"].values, lost_blades(result)
+    changed = time > float(result.attrs.get("fuse_time", np.inf))
+    return np.asarray(changed if lost is None else changed | lost.gone(time))
 
 
 def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -173,7 +181,9 @@ def plot_energy(energies: xr.Dataset) -> Figure:
 def family_energies(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Compute the strain energy of the bladed disk, `energy` (time, family, nodal_diameter) [J].
+    """Compute the strain energy of the bladed disk, `energy` (time, family, nodal_diameter) [J];
+    nan after the loss of blades, or after a support has fused, as the families are those of the
+    modes before.
 
     Args:
         result: result of a run.
@@ -195,6 +205,7 @@ def family_energies(
     flat = weights.reshape(-1, len(number))
     energy = reduce_modes(dataset, "rotor_displacement", flat, np.square)
     cells = energy.reshape(-1, *weights.shape[:2])
+    cells[_changed(dataset)] = np.nan
     return labelled(
         dataset,
         "strain energy of the bladed disk by family and nodal diameter",
@@ -221,8 +232,9 @@ def mean_energies(result: xr.Dataset) -> xr.Dataset:
 @styled
 def plot_family_energies(energies: xr.Dataset) -> Figure:
     """Draw two maps of the strain energy from `mean_energies`: by time and nodal diameter, and by
-    family and nodal diameter. The second map shows the mean over the last third of the time."""
-    late = windows.late_part(energies)
+    family and nodal diameter. The second map shows the mean over the last third of the time with
+    known energies."""
+    late = windows.late_part(energies.dropna("time"))
     by_diameter = energies["energy"].sum("family")
     by_both = late["energy"].mean("time")
     diameters, families = energies["nodal_diameter"].values, energies["family"].values

@@ -69,28 +69,6 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> Strains:
     return Strains(np.repeat(axial, len(x), axis=1), half * curvature)
 
 
-def strain_energy_rows(dataset: xr.Dataset, lines: IntArray) -> Array:
-    """Return rows whose products with modal coordinates have as sum of squares the strain energy of
-    some beams, (row, rotor_mode) [J^1/2 kg^-1/2 m^-1]."""
-    strains, half = rotor_strain_rows(dataset), rotor_sections(dataset, "thickness", 1) / 2
-    ends = dataset["rotor_point"].values[dataset["rotor_line"].values[lines]]
-    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)[:, None]
-    points, weights = np.polynomial.legendre.leggauss(4)
-    share = np.stack([0.5 - 0.5 * points, 0.5 + 0.5 * points])
-    width, thickness, modulus = (
-        rotor_sections(dataset, name, 1)[lines] @ share
-        for name in ("width", "thickness", "young_modulus")
-    )
-    along = np.sqrt(0.25 * length * weights * modulus * width * thickness)
-    across = along * thickness / np.sqrt(12.0)
-    curvature = strains.bending[lines] / half[lines, :, None]
-    rows = (
-        along[:, :, None] * strains.axial[lines][:, :1],
-        across[:, :, None] * np.einsum("es,lem->lsm", share, curvature),
-    )
-    return np.concatenate([row.reshape(-1, row.shape[-1]) for row in rows])
-
-
 def surface_strain_rows(dataset: xr.Dataset, lines: IntArray, x: Array, left: BoolArray) -> Array:
     """Return strains along the surface of beams for unit modal coordinates, (point, rotor_mode).
 

@@ -332,12 +332,16 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _rest(dataset: xr.Dataset) -> dict[str, float]:
+def _rest(dataset: xr.Dataset) -> dict[str, float] | None:
     """Return the strain energy of the bladed disk at the last record by family, without the
-    suspension and the first family."""
+    suspension and the first family; None if families are not defined, after a loss of blades."""
     last = (
-        strain.family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
+        strain.family_energies(dataset.isel(time=[-1]))["energy"]
+        .isel(time=0)
+        .sum("nodal_diameter", skipna=False)
     )
+    if np.isnan(last).any():
+        return None
     named = zip(last["family"].values, last.values, strict=True)
     return {str(k): float(e) for k, e in named if k not in (strain.SUSPENSION, strain.FIRST_FAMILY)}
 

@@ -96,6 +96,9 @@ class Chunk:
     coupling_work: FloatArray = absent()
     """Work on the rotor due to its rotation relative to springs and dampers in the static frame
     [J], (records,)."""
+    strain_energy: FloatArray = absent()
+    """Strain energy of the bladed disk with its shaft springs [J], (records,); empty without sudden
+    changes of the rotor."""
     rotation_angle: FloatArray = absent()
     """Angle of the rotor [rad], (records,); empty at constant speed."""
     rotation_speed: FloatArray = absent()

@@ -49,8 +49,8 @@ class Variable(NamedTuple):
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
     motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
     "gauges", "stress" at points, a flexible "casing", a "speed" that varies, "critical" speeds in
-    its range, a known "inertia" of the rotation, or a "drive" of a free speed; "" for every
-    stage."""
+    its range, a known "inertia" of the rotation, a "drive" of a free speed, or sudden "changes" of
+    the rotor; "" for every stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

@@ -67,7 +67,10 @@ class Phase:
             )
 
     def shown(self, chunk: Chunk) -> Chunk:
-        """Return records of this phase in the coordinates of the first phase."""
+        """Return records of this phase in the coordinates of the first phase, with the strain
+        energy of the rotor."""
+        strained = (self.problem.rotor.frequency * chunk.rotor_displacement) ** 2
+        chunk = replace(chunk, strain_energy=0.5 * strained.sum(axis=1))
         if self.extension is None:
             return chunk
         gap = chunk.gap.copy()

@@ -37,7 +37,17 @@ SUPPORTS = {
     "casing.springs": [{"angle": 0.0, "radial": 1e6}, {"angle": 2.0, "tangential": 1e5}],
     "casing.struts": [{"angle": 3.0, "length": 0.2}],
 }
-NO_BEAMS = ("nodes", "points", "gauges", "stress", "speed", "drive", "critical", "inertia")
+NO_BEAMS = (
+    "nodes",
+    "points",
+    "gauges",
+    "stress",
+    "speed",
+    "critical",
+    "inertia",
+    "drive",
+    "changes",
+)
 """Parts that stages of beams at a constant speed do not have."""
 
 ATTRIBUTES: dict[str, Attribute] = {
