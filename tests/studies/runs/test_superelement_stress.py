@@ -99,7 +99,7 @@ def test_stress_of_a_spinning_bar_follows_its_speed(tmp_path: Path) -> None:
         initial={},
     )
     result, _ = march_in_memory(prepare(given))
-    stress = PointStresses(result).at(np.array([0, 3]))
+    stress = PointStresses(result).at(np.array([0, 2, 3]))
     radius = result["point"].values[:, 0]
     expected = 300.0**2 * 7800.0 * (0.3**2 - radius**2) / 2.0
     assert np.abs(result["steady_stress_rest"]).max() > 0.0
