@@ -143,6 +143,16 @@ class Blade:
         return np.asarray(np.linalg.inv(np.diag(self.stiffness - w**2) + 1j * w * self.damping))
 
 
+def obstacles_over_time(problem: ContactProblem) -> Iterable[str]:
+    """Yield reasons why a problem changes with time and has no periodic motion."""
+    if problem.change is not None:
+        yield "the speed varies; expected march.speed alone"
+    if problem.loss is not None:
+        yield "blades are lost; remove [blade_loss]"
+    if problem.fuse is not None:
+        yield "the support can fuse; remove shaft.fuse_force"
+
+
 def _obstacles(problem: ContactProblem) -> Iterable[str]:
     """Yield reasons why the method does not apply to a problem."""
     rotor = problem.rotor
@@ -150,6 +160,7 @@ def _obstacles(problem: ContactProblem) -> Iterable[str]:
         yield 'contact nodes have mass; expected reduction.boundary = "massless"'
     if problem.casing.is_flexible:
         yield from _obstacles_in_ring(problem)
+    yield from obstacles_over_time(problem)
     if problem.coating is not None:
         yield "the coating wears, so that no motion is periodic; remove casing.coating"
     if problem.tip_rotation:

@@ -25,6 +25,7 @@ from bladewhirl.models.stage.contact_problem import (
     ReducedCasing,
     ReducedRotor,
 )
+from bladewhirl.solvers.periodic.blade import obstacles_over_time
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.ring import Ring
 
@@ -44,6 +45,7 @@ class CorotatingContact:
 
 def obstacles(problem: ContactProblem) -> Iterable[str]:
     """Yield reasons why contact is not constant in rotating axes."""
+    yield from obstacles_over_time(problem)
     clearance = problem.clearance(NEVER)[:, 0]
     if np.ptp(clearance) > ROUND * np.abs(clearance).max():
         yield "the clearance is not round"

@@ -334,9 +334,13 @@ def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalMode
     """Return bladed disk and casing of a case file with changes, in their modes; `numbers` are
     those of `modal_model`."""
     from bladewhirl.models.stage.modal import modal_model
+    from bladewhirl.studies.runs.properties import speed_hint
 
     with options.case_of(case, overrides) as read, reduction_bar():
-        return modal_model(read, **numbers)
+        model = modal_model(read, **numbers)
+    if hint := speed_hint(model.case, model.speed):
+        typer.echo(f"Hint: {hint}.", err=True)
+    return model
 
 
 def present(study: Study, case: Path, output: Path | None, *, overwrite: bool, json: bool) -> None:

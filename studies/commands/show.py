@@ -129,6 +129,7 @@ def show(
     """
     from bladewhirl.models.case.template import dumps_case
     from bladewhirl.models.stage.marched import MarchedBeams, marched_stage
+    from bladewhirl.studies.runs.properties import speed_hint
 
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
@@ -138,7 +139,7 @@ def show(
         beams = isinstance(stage, MarchedBeams)
         shown: Callable[[Any], Shown] = _of_beams if beams else _of_superelement
         derived, tables, node_sets = shown(stage.model)
-        for hint in stage.hints():
+        for hint in filter(None, (*stage.hints(), speed_hint(stage.case, stage.speed))):
             typer.echo(f"Hint: {hint}.", err=True)
         if png:
             from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest

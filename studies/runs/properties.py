@@ -7,6 +7,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import W
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
@@ -36,6 +37,20 @@ Rate = dict[str, float]
 Mode = dict[str, Any]
 """A mode of a full model: its dominant nodal_diameter (-1 without sectors), its frequency (a rate),
 and its purity, the share of this nodal diameter."""
+
+
+def speed_hint(case: Case, speed: float) -> str:
+    """Return which speed [rad/s] studies at one speed use if the speed of a case varies; an empty
+    text at a constant speed."""
+    march = case.march
+    if not march.varies:
+        return ""
+    key = "speed_table" if march.speed_table is not None else "run_up"
+    which = f"the fastest speed of march.{key}"
+    if march.drive is not None:
+        which = "march.speed, at which the free speed starts"
+    rpm = speed * 30.0 / np.pi
+    return f"the speed varies; values at one speed are those at {rpm:.6g} rpm, {which}"
 
 
 def stage_properties(stage: Stage) -> dict[str, Any]:
