@@ -20,7 +20,8 @@ A second table has the times of a step with more and more blades, and the ratio 
 third one those of 22 blades with 7 contact nodes each in the ring, with true slip and without, for
 several numbers of nodes in contact; a fourth one those of a wheel of sectors of solids
 with its stiffness at speed, and with Coriolis forces as well, without contact and with contact of
-all blades.
+all blades; a fifth one those of beams with rotation effects at a constant, a prescribed and a free
+speed.
 """
 
 import argparse
@@ -199,6 +200,42 @@ def blade_table(repeat: int) -> Table:
     return table
 
 
+SPEEDS = {
+    "constant": "speed=1.5",
+    "prescribed": 'speed_table=[["0 s",1.2],["0.3 s",1.6]]',
+    "free": "speed=1.5,drive={inertia=0.5}",
+}
+
+
+def speed_table(repeat: int) -> Table:
+    """Return the times of a step with rotation effects at speeds that vary, without contact."""
+    table = Table(title=f"Speed, rotation effects, no contact, best of {repeat}")
+    for column in ("speed", "kernel [µs]", "ratio to constant"):
+        table.add_column(column, justify="left" if column == "speed" else "right")
+    schemes = []
+    for keys in SPEEDS.values():
+        changes = [
+            'excitation={type="imbalance",unbalance=0.02,ramp=0}',
+            f"march={{time_step=1e-6,duration=0.3,record_step=1e-4,{keys}}}",
+        ]
+        problem = contact_problem(build_stage(read_case(EXAMPLES / "spinning_fan.toml", changes)))
+        scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
+        schemes.append((scheme, scheme.advance(scheme.init(), 100)[0]))
+    times = np.array(
+        [
+            [
+                microseconds(partial(scheme.advance, state), KERNEL_STEPS)
+                for scheme, state in schemes
+            ]
+            for _ in range(repeat)
+        ]
+    )
+    ratios = np.median(times / times[:, :1], axis=0)
+    for name, best, ratio in zip(SPEEDS, times.min(axis=0), ratios, strict=True):
+        table.add_row(name, f"{best:.2f}", f"{ratio:.2f}")
+    return table
+
+
 def node_table(repeat: int) -> Table:
     """Return the times of a step of many contact nodes."""
     table = Table(title=f"{BLADES} blades x {NODES} contact nodes in a ring, best of {repeat}")
@@ -310,6 +347,7 @@ def main() -> None:
     Console(width=180).print(blade_table(repeat))
     Console(width=180).print(node_table(repeat))
     Console(width=180).print(turning_table(repeat))
+    Console(width=180).print(speed_table(repeat))
 
 
 if __name__ == "__main__":

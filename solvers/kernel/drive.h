@@ -24,7 +24,6 @@
 static void prepare_drive(March *m, int64_t step, int first)
 {
     const Speed *speed = m->stage.speed;
-    const Drive *drive = m->stage.drive;
     const double *s = m->state->drive.at;
     Rotation *r = &m->rotation;
     double dt = m->stage.numbers->time_step, square = speed->base * speed->base;
@@ -40,11 +39,7 @@ static void prepare_drive(March *m, int64_t step, int first)
             m->state->drive.at[DRIVE_CENTRE] = s[DRIVE_SPEED];
         if (first || step % REFRESH == 0)
             refresh_speed(m, s[DRIVE_CENTRE]);
-        speed_forces(m);
-        double *coupled = m->scratch->speed.coupled.at;
-        for (int64_t i = 0; i < m->x.entries; i += LANES)
-            store(coupled + i, load(drive->across.at + i));
-        add_product(m->stage.rotor, &speed->coriolis, m->x.entries, m->x.now, coupled, coupled);
+        speed_forces(m, first);
     }
 }
 
@@ -52,12 +47,21 @@ static void prepare_drive(March *m, int64_t step, int first)
 static double damper_torque(const March *m)
 {
     const Drive *d = m->stage.drive;
-    double u[2], v[2], dt = m->stage.numbers->time_step;
+    const double *along = d->centre.at, *across = along + d->centre.columns;
     if (d->damping == 0.0)
         return 0.0;
+    Lanes zero = splat(0.0), place[2] = {zero, zero}, change[2] = {zero, zero};
+    for (int64_t i = 0; i < d->centre.columns; i += LANES) {
+        Lanes now = load(m->x.now + i), moved = sub(load(m->x.new + i), load(m->x.old + i));
+        place[0] = muladd(load(along + i), now, place[0]);
+        place[1] = muladd(load(across + i), now, place[1]);
+        change[0] = muladd(load(along + i), moved, change[0]);
+        change[1] = muladd(load(across + i), moved, change[1]);
+    }
+    double u[2], v[2], twice = 2.0 * m->stage.numbers->time_step;
     for (int k = 0; k < 2; k++) {
-        u[k] = product(&d->centre, k, m->x.now);
-        v[k] = (product(&d->centre, k, m->x.new) - product(&d->centre, k, m->x.old)) / (2.0 * dt);
+        u[k] = total(place[k]);
+        v[k] = total(change[k]) / twice;
     }
     double moved = u[0] * v[1] - u[1] * v[0];
     return -d->damping * (moved + m->rotation.now * (u[0] * u[0] + u[1] * u[1]));
@@ -91,23 +95,41 @@ static void predict_drive(March *m)
     const double *s = m->state->drive.at, *coupled = m->scratch->speed.coupled.at;
     const double *stiffened = m->scratch->speed.stiffened.at;
     Rotation *r = &m->rotation;
-    double dt = n->time_step, acceleration = r->acceleration, inertia;
+    double dt = n->time_step, acceleration = r->acceleration;
     double base = m->stage.speed->base * m->stage.speed->base, square = r->square[1];
     r->torque = d->torque - d->loss * r->now + damper_torque(m);
-    double goal = s[DRIVE_MOMENTUM] + dt * r->torque;
-    double own = d->along.size > 0 ? dot(coupled, coupled, d->along.size) : 0.0;
+    double goal = s[DRIVE_MOMENTUM] + dt * r->torque, before = acceleration;
+    Lanes zero = splat(0.0), along = zero, across = zero, pulled = zero, turned = zero;
+    Lanes pulls = zero, turns = zero, both = zero;
+    for (int64_t i = 0; i < d->along.size; i += LANES) {
+        Lanes a = load(d->along.at + i), c = load(coupled + i), pull = sub(a, load(stiffened + i));
+        Lanes now = load(m->x.now + i), new = load(m->x.new + i);
+        along = muladd(a, now, along);
+        across = muladd(load(d->across.at + i), now, across);
+        pulled = muladd(pull, new, pulled);
+        turned = muladd(c, new, turned);
+        pulls = muladd(pull, pull, pulls);
+        turns = muladd(c, c, turns);
+        both = muladd(pull, c, both);
+    }
+    double inertia = d->inertia + total(along), carried = -total(across), own = total(turns);
+    double outward = total(pulled), around = total(turned), mixed = total(both), most = total(pulls);
     for (int trial = 0; trial < 3; trial++) {
-        double lacks = goal - momentum(m, s[DRIVE_SPEED] + dt * acceleration, &inertia);
-        double change = lacks / (dt * (inertia - own));
+        double half = s[DRIVE_SPEED] + dt * acceleration;
+        double lacks = goal - half * (inertia + outward) - (carried + around) / dt;
+        double change = lacks / (dt * (inertia + outward - own));
         acceleration += change;
         double present = s[DRIVE_SPEED] * (s[DRIVE_SPEED] + dt * acceleration) - base;
-        Lanes by = splat(-dt * dt * change), grown = splat(dt * dt * (present - square));
-        for (int64_t i = 0; i < d->along.size; i += LANES) {
-            Lanes pulled = sub(load(d->along.at + i), load(stiffened + i));
-            Lanes new = muladd(by, load(coupled + i), load(m->x.new + i));
-            store(m->x.new + i, muladd(grown, pulled, new));
-        }
+        double by = -dt * dt * change, grown = dt * dt * (present - square);
+        outward += by * mixed + grown * most;
+        around += by * own + grown * mixed;
         square = present;
+    }
+    Lanes by = splat(dt * dt * (before - acceleration)), grown = splat(dt * dt * (square - r->square[1]));
+    for (int64_t i = 0; i < d->along.size; i += LANES) {
+        Lanes pull = sub(load(d->along.at + i), load(stiffened + i));
+        Lanes new = muladd(by, load(coupled + i), load(m->x.new + i));
+        store(m->x.new + i, muladd(grown, pull, new));
     }
     r->grown = square - r->square[1];
     r->square[1] = square;
@@ -152,16 +174,21 @@ static void account_drive(March *m, int touching)
     /* The work of the forces that the changes of acceleration and square in `predict_drive` add. */
     const double *coupled = m->scratch->speed.coupled.at, *along = m->stage.drive->along.at;
     const double *stiffened = m->scratch->speed.stiffened.at;
-    double work = 0.0, lost = m->stage.drive->loss * r->now, sped = r->later - r->acceleration;
-    for (int64_t i = 0; i < m->scratch->speed.coupled.size; i++)
-        work += 0.5 * (r->grown * (along[i] - stiffened[i]) - sped * coupled[i])
-                * (m->x.new[i] - m->x.old[i]);
-    m->state->work.at[PARAMETRIC] += work;
+    Lanes work = splat(0.0), grown = splat(r->grown), sped = splat(r->later - r->acceleration);
+    double lost = m->stage.drive->loss * r->now;
+    for (int64_t i = 0; i < m->scratch->speed.coupled.size; i += LANES) {
+        Lanes pull = sub(load(along + i), load(stiffened + i));
+        Lanes force = sub(mul(grown, pull), mul(sped, load(coupled + i)));
+        work = muladd(force, sub(load(m->x.new + i), load(m->x.old + i)), work);
+    }
+    m->state->work.at[PARAMETRIC] += 0.5 * total(work);
     double damped = r->torque - m->stage.drive->torque + lost;
     double mean = 0.5 * (s[DRIVE_SPEED] + r->half), inertia;
     /* Contact changes the momentum of displacements in this step; the rest of its impulse acts on
      * the speed in the next step. */
-    double moved = momentum(m, r->half, &inertia) - (s[DRIVE_MOMENTUM] + dt * r->torque);
+    double moved = 0.0;
+    if (touching)
+        moved = momentum(m, r->half, &inertia) - (s[DRIVE_MOMENTUM] + dt * r->torque);
     s[DRIVE_WORK] += dt * mean * m->stage.drive->torque;
     s[DRIVE_LOSS] += dt * mean * lost;
     s[DRIVE_CONTACT] += mean * (dt * damped + s[DRIVE_IMPULSE] - s[DRIVE_MOVED] + moved);

@@ -93,9 +93,17 @@ static void rotate_steadily(March *m, int64_t step)
                              .now = n->speed};
 }
 
+/* Compute G x + b for a free speed. */
+static void couple(const March *m, const double *x, double *out)
+{
+    const double *across = m->stage.drive->across.at;
+    add_product(m->stage.rotor, &m->stage.speed->coriolis, m->x.entries, x, across, out);
+}
+
 /* Compute K_1 x_n, and the force due to the change of the speed: that of K_1 and that of G, which
- * acts on the acceleration and on the part of the speed that the inverse of A lacks. */
-static void speed_forces(March *m)
+ * acts on the acceleration and on the part of the speed that the inverse of A lacks. With a free
+ * speed the products of the last step and of this one give that of G. */
+static void speed_forces(March *m, int first)
 {
     const Speed *speed = m->stage.speed;
     const Rotation *r = &m->rotation;
@@ -112,6 +120,20 @@ static void speed_forces(March *m)
     else if (changed)
         add_product(m->stage.rotor, &speed->stiffening, x.entries, x.now, stiffened, stiffened);
     Lanes by_old = splat(late), by_now = splat(-r->acceleration - late), by = splat(-r->square[1]);
+    if (m->stage.drive) {
+        const double *across = m->stage.drive->across.at;
+        double *coupled = m->scratch->speed.coupled.at;
+        if (first)
+            couple(m, x.old, coupled);
+        for (int64_t i = 0; i < x.entries; i += LANES)
+            store(input + i, mul(by_old, sub(load(coupled + i), load(across + i))));
+        couple(m, x.now, coupled);
+        for (int64_t i = 0; i < x.entries; i += LANES) {
+            Lanes turned = muladd(by_now, sub(load(coupled + i), load(across + i)), load(input + i));
+            store(force + i, muladd(by, load(stiffened + i), turned));
+        }
+        return;
+    }
     for (int64_t i = 0; i < x.entries; i += LANES) {
         store(input + i, muladd(by_now, load(x.now + i), mul(by_old, load(x.old + i))));
         store(force + i, mul(by, load(stiffened + i)));
@@ -193,7 +215,7 @@ static void prepare_speed(March *m, int64_t step, int first)
     if (m->scratch->speed.force.size == 0)
         return;
     follow_speed(m, step, first);
-    speed_forces(m);
+    speed_forces(m, first);
 }
 
 /* Return the product of x_n-1 and what changes of the stiffness times x_n, for a change of Omega^2. */
