@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 import xarray as xr
 
 from bladewhirl.models.case.file import loads
 from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.tip_timing import tip_timing
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
@@ -66,6 +69,22 @@ def test_tips_arrive_at_the_true_angle(result: xr.Dataset) -> None:
     here = np.isfinite(arrival)
     assert here.sum() > 5
     np.testing.assert_allclose(whole[here], np.round(whole[here]), atol=1e-9)
+
+
+def test_series_turn_by_the_angle(result: xr.Dataset, tmp_path: Path) -> None:
+    records = np.array([100, 700])
+    export_vtk(result, tmp_path, records=records)
+    angles = rotation.angles(result)[records]
+    assert EnlargedStage(
+        result, records, factor=1.0, per_line=1, per_element=1
+    ).turns == pytest.approx(angles)
+    places = []
+    for n in range(2):
+        contact = meshio.read(tmp_path / "frames" / f"contact_0000{n}.vtu")
+        first = contact.points[contact.cell_data["blade"][0].tolist().index(0)]
+        places.append(np.arctan2(first[1], first[0]))
+    turned = np.exp(1j * np.array(places)) / np.exp(1j * angles)
+    np.testing.assert_allclose(turned, turned[0], atol=1e-6)
 
 
 def test_the_figure_tells_rising_from_falling_speeds(result: xr.Dataset, tmp_path: Path) -> None:
