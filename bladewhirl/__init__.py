@@ -30,7 +30,7 @@ Analyse modes, before a march
 Compute periodic rubs
     `periodic` returns periodic motions of a 3D blade in a wall, and their stability, without time
     integration; `branch` follows one over a key of the case through folds, `resume_branch`
-    continues after an interruption.
+    continues after an interruption. `record_motion` writes a turn of a motion as a run.
 March in time
     `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
     interrupted sweep, `drawn_case` repeats one of its random draws), `convergence` varies time step

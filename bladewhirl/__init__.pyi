@@ -54,6 +54,7 @@ from .studies.modal.veering import veering as veering
 from .studies.periodic.branches import branch as branch
 from .studies.periodic.branches import resume_branch as resume_branch
 from .studies.periodic.motions import periodic as periodic
+from .studies.periodic.records import record_motion as record_motion
 from .studies.runs.render import render as render
 from .studies.runs.report import report as report
 from .studies.runs.run import run as run

@@ -45,6 +45,9 @@ def periodic(
     constant in rotating axes; its forces and the radius of the shaft are computed, not its
     stability.
 
+    With one speed the folder also has a turn of the motion as a run, result.nc, of which
+    bladewhirl render, export and plot make films, series for ParaView and figures.
+
     With --over the motion is followed over a key of the case through folds, at which marches jump.
     The table lists folds, period doublings and Neimark-Sacker bifurcations (quasi-periodic
     motions), each confirmed with twice as many instants. branch.nc is written point by point, and
@@ -88,8 +91,18 @@ def periodic(
         data = study.periodic(
             read, speeds=given, blade=blade, periods=periods, origin=origin, progress=progress
         )
+    folder = output if json or output is not None else Path(f"{case.stem}-periodic")
     present(study.report(data), case, output, overwrite=overwrite, json=json)
-    if failures := study.failures(data):
+    failures = study.failures(data)
+    if folder is not None and data.sizes["speed"] == 1:
+        from bladewhirl.postprocess.fields.kinematics import ViewError
+        from bladewhirl.studies.periodic.records import record_motion
+
+        try:
+            record_motion(read, data, folder, overwrite=True)
+        except ViewError as reason:
+            typer.echo(f"Hint: {reason}.", err=True)
+    if failures:
         raise UserError(*failures)
 
 

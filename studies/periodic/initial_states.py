@@ -84,8 +84,8 @@ def start_of(
     problem = stage.contact_problem()
     try:
         if corotating.is_corotating(problem):
-            return _of_corotating(problem, corotating_contact(problem))
-        return _of_blades(stage, problem, directory, value)
+            return of_corotating(problem, corotating_contact(problem))
+        return of_blades(stage, _first_motion(blade_of(stage, 0), directory, value))
     except NotConverged:
         return None
 
@@ -97,22 +97,21 @@ def _number(value: Value) -> float:
     return float(match[1])
 
 
-def _of_blades(
-    stage: MarchedStage, problem: ContactProblem, directory: Path | None, value: Value | None
-) -> tuple[Start, float]:
-    """Return start and impulse of 3D blades; in a flexible casing they follow one another.
+def of_blades(stage: MarchedStage, motion: Motion, number: int = 0) -> tuple[Start, float]:
+    """Return start and impulse of the 3D blades of a stage, of which one has a motion, by its
+    number; in a flexible casing the others follow it.
 
     Raises:
-        NotConverged: no motion was found.
+        NotConverged: no motion of another blade was found.
     """
-    first, rotor = blade_of(stage, 0), problem.rotor
-    motion = _first_motion(first, directory, value)
-    delay = rotor.by_copy(rotor.tip_angle)[:, 0] - rotor.tip_angle[0]
+    problem, first = stage.contact_problem(), motion.grid.blade
+    rotor = problem.rotor
+    angle = rotor.by_copy(rotor.tip_angle)[:, 0]
     states, impulse = [], 0.0
     for copy in range(rotor.copies):
-        own, time = motion, float(delay[copy] / problem.speed)
-        if first.ring is None and copy:  # blades can differ, and their walls are not the same
-            own, time = _near(blade_of(stage, copy), motion, time), 0.0
+        own, time = motion, float((angle[copy] - angle[number]) / problem.speed)
+        if first.ring is None and copy != number:  # blades can differ
+            own, time = _near(blade_of(stage, copy, first.periods), motion, time), 0.0
         states.append(_at(own, time))
         impulse += own.impulse
     rotor_state = [np.stack([state[k] for state in states]) for k in range(2)]
@@ -210,7 +209,7 @@ def _at(motion: Motion, time: float) -> tuple[FloatArray, FloatArray, FloatArray
     return moved, rate, force.reshape(-1, DIRECTIONS)
 
 
-def _of_corotating(problem: ContactProblem, contact: CorotatingContact) -> tuple[Start, float]:
+def of_corotating(problem: ContactProblem, contact: CorotatingContact) -> tuple[Start, float]:
     """Return start and impulse of contact that is constant in rotating axes."""
     way = float(np.sign(problem.speed)) * problem.friction
     force = -contact.normal[:, None] * np.array([1.0, way, 0.0])

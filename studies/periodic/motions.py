@@ -138,7 +138,7 @@ def periodic(
     if constant:
         data = corotating.dataset(stage, constant, reference)
     elif solutions:
-        data = _dataset(stage, solutions, reference)
+        data = _dataset(stage, solutions, reference).assign_attrs(blade=blade, periods=periods)
     else:
         raise UserError(*failures)
     return data.assign_attrs(failures="\n".join(failures))
