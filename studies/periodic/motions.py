@@ -19,9 +19,8 @@ from bladewhirl.models.stage.marched import Marchable, MarchedNodes, marched_sta
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
-from bladewhirl.solvers.periodic.stability import monodromy
 from bladewhirl.studies.modal.study import Study
-from bladewhirl.studies.periodic import corotating
+from bladewhirl.studies.periodic import corotating, fine_stability
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
 from bladewhirl.studies.periodic.origins import motion_of
 from bladewhirl.studies.runs.columns import Column, quantity, table
@@ -130,7 +129,7 @@ def periodic(
                 constant.append((problem, corotating.solution(problem, str(speed))))
             else:
                 start = None if origin is None else motion_of(Path(origin), structure)
-                solutions.append(solution(problem, structure, str(speed), start))
+                solutions.append(solution(problem, structure, str(speed), blade, start))
         except UserError as failure:
             failures += failure.lines
         if progress is not None:
@@ -175,10 +174,10 @@ def blade_of(stage: Any, blade: int, periods: int = 1) -> Blade:
 
 
 def solution(
-    problem: ContactProblem, blade: Blade, speed: str, start: Motion | None = None
+    problem: ContactProblem, blade: Blade, speed: str, number: int, start: Motion | None = None
 ) -> Solution:
-    """Return the periodic motion of a blade at a speed, whose text is in messages; the search
-    begins at `start`.
+    """Return the periodic motion of a blade with a number at a speed, whose text is in messages;
+    the search begins at `start`.
 
     Raises:
         UserError: the blade does not touch the wall, or no motion was found.
@@ -196,7 +195,7 @@ def solution(
             f" march.displacement_limit = {problem.displacement_limit:.4g} m"
         )
     check_periods(motion, speed)
-    return Solution(problem, motion, monodromy(motion).multipliers)
+    return Solution(problem, motion, fine_stability.multipliers(problem, motion, number))
 
 
 def check_periods(motion: Motion, where: str) -> None:

@@ -1,5 +1,6 @@
 """Cases of a twisted blade whose periodic motions are computed."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.periodic.contact import Motion
 
 
 def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> ContactProblem:
@@ -54,6 +57,50 @@ def case(**changes: Any) -> bw.Case:
         },
     }
     return bw.with_values(bw.case_from(tables), changes)
+
+
+def marched(
+    problem: ContactProblem, motion: Motion, step: float, periods: int, start: Any = None
+) -> Any:
+    """Records once a period of a march that starts on a periodic motion, or with other modal
+    displacements and velocities."""
+    blade = motion.grid.blade
+    displacement, velocity = motion.modes[:, 0] if start is None else start
+    steps = round(blade.period / step)
+    closed = replace(
+        problem,
+        closure=None,
+        casing=replace(problem.casing, clearance=blade.clearance),
+        start=replace(problem.start, rotor=displacement, rotor_velocity=velocity),
+    )
+    scheme = CentralDifference(closed, blade.period / steps, steps)
+    _, chunk, end = scheme.advance(scheme.init(), steps * periods + 1)
+    assert end is None
+    return chunk
+
+
+def states(problem: ContactProblem, chunk: Any) -> FloatArray:
+    """States of the modes at records, with the same unit for displacements and velocities."""
+    return np.hstack([chunk.rotor_displacement * problem.rotor.frequency, chunk.rotor_velocity])
+
+
+def growth(problem: ContactProblem, motion: Motion, step: float, settled: int) -> float:
+    """Magnitude of the leading multiplier of a march that has settled for some periods: the largest
+    eigenvalue of the changes of its state after a period by small changes before it."""
+    w, kick = problem.rotor.frequency, 1e-5 * np.abs(motion.modes[1]).max()
+    q, v = motion.modes[:, 0]
+    if settled:
+        chunk = marched(problem, motion, step, settled)
+        q, v = chunk.rotor_displacement[-1], chunk.rotor_velocity[-1]
+    changes = np.vstack([np.zeros(2 * len(w)), kick * np.eye(2 * len(w))])
+    after = [
+        states(
+            problem,
+            marched(problem, motion, step, 1, (q + each[: len(w)] / w, v + each[len(w) :])),
+        )[-1]
+        for each in changes
+    ]
+    return float(np.abs(np.linalg.eigvals((np.array(after[1:]) - after[0]).T / kick)).max())
 
 
 def decay(state: FloatArray, rate: float = 0.8) -> float:

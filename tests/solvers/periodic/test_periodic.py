@@ -1,16 +1,14 @@
 """Periodic motions against closed forms and against marches with small steps."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 import scipy.optimize as so
 from boundary_cases import bladed
-from periodic_cases import decay, twisted_blade
+from periodic_cases import decay, marched, states, twisted_blade
 
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import (
     Motion,
@@ -46,23 +44,6 @@ def test_the_backbone_of_an_oscillator_with_an_elastic_stop(ratio: float, expect
     assert np.mean(found) == pytest.approx(expected, rel=1e-5)
 
 
-def marched(problem: ContactProblem, motion: Motion, step: float, periods: int) -> Any:
-    """Records once a period of a march that starts on a periodic motion."""
-    blade = motion.grid.blade
-    displacement, velocity = motion.modes
-    steps = round(blade.period / step)
-    closed = replace(
-        problem,
-        closure=None,
-        casing=replace(problem.casing, clearance=blade.clearance),
-        start=replace(problem.start, rotor=displacement[0], rotor_velocity=velocity[0]),
-    )
-    scheme = CentralDifference(closed, blade.period / steps, steps)
-    _, chunk, end = scheme.advance(scheme.init(), steps * periods + 1)
-    assert end is None
-    return chunk
-
-
 @pytest.mark.parametrize(
     ("speed", "sliding", "friction", "closure"),
     [
@@ -84,7 +65,7 @@ def test_a_blade_in_an_oval_wall_moves_as_in_a_march(
     assert motion.impulse == pytest.approx(impulse, rel=2e-3)
     leading = monodromy(motion)
     assert leading.stable
-    state = np.hstack([chunk.rotor_displacement * problem.rotor.frequency, chunk.rotor_velocity])
+    state = states(problem, chunk)
     assert np.abs(leading.multipliers[0]) == pytest.approx(decay(state), abs=5e-3)
 
 

@@ -54,9 +54,9 @@ def test_a_dataset_describes_motions_at_speeds() -> None:
 
 def test_the_command_prints_and_draws(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
-    file.write_text(bw.dumps_case(case()))
+    file.write_text(bw.dumps_case(case(**{"march.speed": "7500 rpm"})))
     document = json.loads(
-        answer("periodic", str(file), "--speeds", "6000 rpm,7000 rpm", "--json").stdout
+        answer("periodic", str(file), "--speeds", "6000 rpm,7500 rpm", "--json").stdout
     )
     first, second = document["solutions"]
     assert first["speed_rad_s"] == pytest.approx(6000.0 * np.pi / 30.0)
@@ -64,7 +64,7 @@ def test_the_command_prints_and_draws(tmp_path: Path) -> None:
     assert second["residual"] < 1e-9
     assert np.hypot(*second["multipliers"][0]) == pytest.approx(second["largest_multiplier"])
     printed = answer("periodic", str(file), "-o", str(tmp_path / "out")).stdout
-    assert "7000.0" in printed
+    assert "7500.0" in printed
     assert (tmp_path / "out" / "periodic.png").exists()
     with xr.open_dataset(tmp_path / "out" / "periodic.nc") as data:
         assert float(data["impulse_per_revolution"][0]) == pytest.approx(
