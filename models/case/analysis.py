@@ -187,9 +187,10 @@ class March(ReplacedKeys):
     bladewhirl modes, use the fastest speed of the table."""
     speed_blend: fields.TimeOrZero | None = Field(default=None, examples=['"0.1 s"'])
     """Time in which the acceleration changes at a row of march.speed_table [s], so that no step of
-    the acceleration excites vibration: at the first row this time begins, at the last one it ends,
-    and on other rows it is centred. The speeds at the rows remain those of the table. By default a
-    tenth of the shortest time between rows; 0 keeps the corners."""
+    the acceleration excites vibration: at the first row and after a constant speed this time
+    begins, at the last row and before a constant speed it ends, and on other rows it is centred.
+    The speeds at the rows remain those of the table. By default a tenth of the shortest time
+    between rows; 0 keeps the corners."""
     run_up: RunUp | None = Field(
         default=None,
         examples=['{ from = "1000 rpm", to = "9000 rpm", start = "0 s", end = "2 s" }'],

@@ -54,8 +54,9 @@ class SpeedCourse:
         """Return a course through the rows of a table, constant before and after them.
 
         The speed is linear between rows except near them: at a row the acceleration changes
-        linearly within a time `blend`, which is centred on an inner row, begins at the first row
-        and ends at the last one. The speeds at the rows are those of the table.
+        linearly within a time `blend`, which is centred on the row, ends there if the speed is
+        constant after the row, and begins there if it is constant before the row. The speeds at the
+        rows are those of the table, and between rows with one speed it is constant.
 
         Args:
             times: times of the rows in ascending order [s], (rows,).
@@ -66,21 +67,17 @@ class SpeedCourse:
         times, speeds = np.asarray(times, dtype=float), np.asarray(speeds, dtype=float)
         change, length = np.diff(speeds), np.diff(times)
         intervals = len(length)
-        corners = np.zeros(0)
+        held = np.concatenate([[True], change == 0.0, [True]])  # before and after each row
+        begun = np.where(held[:-1], 0.0, np.where(held[1:], 1.0, 0.5))  # share before the row
+        corners: FloatArray = np.zeros(0)
         if intervals:
             # Each change of the speed as a sum of the accelerations in the middle of the intervals.
-            shares = np.diag(length)
-            for n in range(intervals):
-                for other, inner in ((n - 1, n > 0), (n + 1, n < intervals - 1)):
-                    if inner:
-                        shares[n, other] += blend / 8.0
-                        shares[n, n] -= blend / 8.0
-                    else:
-                        shares[n, n] -= blend / 2.0
-            corners = np.linalg.solve(shares, change)
+            lost, gained = 0.5 * blend * (1.0 - begun) ** 2, 0.5 * blend * begun**2
+            shares = np.diag(length - lost[:-1] - gained[1:])
+            shares += np.diag(lost[1:-1], -1) + np.diag(gained[1:-1], 1)
+            corners = np.asarray(np.linalg.solve(shares, change), dtype=np.float64)
         levels = np.concatenate([[0.0], corners, [0.0]])  # of the acceleration
-        begins = times - 0.5 * blend
-        begins[0], begins[-1] = times[0], times[-1] - blend * bool(intervals)
+        begins = times - begun * blend
         pieces, speed = list[tuple[float, Polynomial]](), float(speeds[0])
         if times[0] > 0.0 or not intervals:
             pieces.append((0.0, Polynomial([speed])))
