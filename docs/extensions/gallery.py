@@ -1,4 +1,5 @@
-"""A page for each case in examples/: header, drawing, properties, Campbell diagram, film, figures.
+"""A page for each case in examples/: header, drawing, properties, Campbell diagram, film, figures,
+and for one of them a branch of periodic motions.
 
 Like other pages, the pages of the gallery contain code blocks that are executed.
 """
@@ -12,6 +13,8 @@ from blocks import ROOT
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, FigureKind
 
+BRANCHED, BRANCH = "two_motions", "6600rpm:7700rpm"
+"""Name of the example whose page has a branch of periodic motions, and its speeds."""
 LONGEST, FRAMES = 0.5, 10
 """Longest duration of a march under a load [s], and number of pictures of a film of beams."""
 
@@ -84,6 +87,13 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
         yield _picture("run/animation.gif", "Blades and casing where contact is strongest")
         for figure in _figures(case):
             yield _picture(f"run/{figure.name}.png", figure.title)
+    if name == BRANCHED:
+        yield "## All periodic motions over the speed"
+        over = f'bladewhirl periodic {file} --over "march.speed={BRANCH}" --points 14 -o branch'
+        at_one = f'bladewhirl periodic {file} --from branch --set "march.speed=7650 rpm" -o motion'
+        yield _console(over, at_one, f"bladewhirl render motion --gif --frames {FRAMES}")
+        yield _picture("branch/branch.png", "Impulse and amplitude over the speed; multipliers")
+        yield _picture("motion/animation.gif", "The small motion beyond the upper fold")
     beside = sorted(example.parent.glob(f"{name}.*"), key=lambda path: path != example)
     links = (f"{{download}}`{path.name} <../../examples/{path.name}>`" for path in beside)
     yield f"## The case\n\n{', '.join(links)}"

@@ -92,8 +92,9 @@ def plot_branch(data: xr.Dataset) -> Figure:
             axes.plot(value, part, style, color=COLOURS["rotor"])
         for number, (kind, mark) in enumerate(MARKS.items(), 1):
             there = data["kind"].values == number
+            place = value[there], drawn[there]
             if there.any():
-                axes.plot(value[there], drawn[there], mark, color=COLOURS["casing"], label=kind)
+                axes.plot(*place, mark, markersize=4, color=COLOURS["casing"], label=kind)
         axes.set_xlabel(key_label(data))
     labels = data["march_label"].values if "march_label" in data else np.zeros(0)
     looks = zip(dict.fromkeys(labels.tolist()), ("x", "+", "1", "2"), strict=False)
