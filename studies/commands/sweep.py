@@ -212,6 +212,8 @@ def _report(result: Sweep, *, json: bool) -> None:
 
 def _print_plan(plan: SweepPlan) -> None:
     """Print hints about the case, and the size of the sweep."""
+    from bladewhirl.studies.sweeps.starts import lines
+
     for hint in plan.hints:
         typer.echo(f"Hint: {hint}.", err=True)
     full = f", full histories {plan.history_bytes / 1e6:.3g} MB" if plan.histories else ""
@@ -221,3 +223,6 @@ def _print_plan(plan: SweepPlan) -> None:
         f" sweep.nc {plan.dataset_bytes / 1e6:.3g} MB{full}",
         err=True,
     )
+    if plan.start == "periodic":
+        count = sum(1 for _ in lines(plan.grid))
+        typer.echo(f"branches of periodic motions that are followed first: {count}", err=True)

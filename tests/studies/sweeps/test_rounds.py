@@ -129,8 +129,8 @@ def test_options_that_are_not_used_leave_no_trace(tmp_path: Path) -> None:
     run_sweep(CASE, OVER, tmp_path, draws=2, perturb=PERTURB)
     with h5py.File(tmp_path / "sweep.nc") as file:
         assert {name for name in SWEEP if SWEEP[name].part not in ("nodes", "start")} <= set(file)
-        assert not set(SCREENING) & set(file)
-        assert not {"screen_rule", "carry", "carry_rule"} & set(file.attrs)
+        assert not {*SCREENING, "start", "start_impulse"} & set(file)
+        assert not {"screen_rule", "carry", "carry_rule", "start_rule"} & set(file.attrs)
         assert "not-needed" not in file["state"].attrs["flag_meanings"]
     plan = json.loads((tmp_path / "sweep.json").read_text(encoding="utf-8"))
     assert list(plan) == [
