@@ -54,7 +54,7 @@ class Drive(Table):
 
     inertia: Annotated[float, fields.quantity("kg m2", "not negative")] = 0.0
     """Moment of inertia about the axis of all that turns with the bladed disk, without the bladed
-    disk itself [kg m2]."""
+    disk itself [kg m2]; with a superelement that of all that turns, the superelement included."""
     torque: Annotated[float, fields.quantity("N m", "any")] = 0.0
     """Torque of the drive in the sense of a positive speed [N m]; 0 for a rotor that coasts."""
     loss: Annotated[float, fields.quantity("N m s", "not negative")] = 0.0

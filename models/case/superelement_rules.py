@@ -151,9 +151,22 @@ def _rotation_faults(case: Tables, table: SuperelementTable) -> Iterator[Inconsi
         if needed not in ("none", False) and getattr(part, key) is None:
             expected = f'"none", or a file with {key}, without which {without}'
             yield Inconsistency("rotation.effects", expected, (SOURCE,))
-    if case.march.drive is not None:
-        expected = "beams: a file does not give the moment of inertia that a free speed needs"
-        yield Inconsistency("march.drive", expected, (SOURCE,))
+    drive = case.march.drive
+    if drive is not None and effects != "none":
+        expected = (
+            '"none" with march.drive: a file does not give the moment of inertia, which'
+            " displacements change"
+        )
+        yield Inconsistency("rotation.effects", expected, (SOURCE, "march.drive"))
+    if drive is not None and drive.inertia == 0.0:
+        expected = f"the moment of inertia of all that turns: {SOURCE} does not give its own"
+        yield Inconsistency("march.drive.inertia", expected, (SOURCE,))
+    if case.march.varies and effects == "none" and part.gyroscopic is not None:
+        expected = (
+            '"full" with a speed that varies, or a file without gyroscopic, whose Coriolis forces'
+            " would be those of one speed"
+        )
+        yield Inconsistency("rotation.effects", expected, (SOURCE, "march"))
     if case.march.varies and effects == "full" and len(part.loads.T) < len(LOADS):
         expected = (
             f'"none" with a speed that varies, or a file with {" and ".join(LOADS)}, which change'

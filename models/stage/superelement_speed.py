@@ -25,6 +25,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.speed_change import with_drive
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.stage.varying_speed import EndsOverSpeeds, SpeedChange
 from bladewhirl.models.superelements.reduction import ReducedSuperelement
@@ -41,7 +42,9 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
     if course is None:
         return problem
     if stage.case.rotation.effects == "none":
-        return replace(problem, change=SpeedChange(course=course))
+        drive = stage.case.march.drive
+        changed = replace(problem, change=SpeedChange(course=course))
+        return changed if drive is None else with_drive(stage.case, changed, drive.inertia)
     reduced, base, factor = stage.reduced, problem.speed, stage.factor
     assert reduced.stiffness_speed is not None
     assert reduced.gyroscopic is not None

@@ -160,17 +160,34 @@ static double wall_slope(const March *m, int64_t tip)
     return slope * (double)casing->nodes / (2.0 * PI);
 }
 
+/* Return the torque of the contact forces at the end of the step. */
+static double contact_torque(const March *m)
+{
+    const Numbers *n = m->stage.numbers;
+    const Nodes *nodes = m->stage.nodes;
+    const ContactScratch *c = &m->scratch->contact;
+    double torque = 0.0;
+    for (int64_t j = 0; !nodes && j < c->multiplier.size; j++)
+        if (c->multiplier.at[j] > 0.0)
+            torque += c->multiplier.at[j]
+                      * (wall_slope(m, j) - n->friction * c->sign.at[j] * n->radius);
+    for (int64_t j = 0; nodes && j < m->state->gap.size; j++) {
+        const double *force = m->state->force.at + DIRECTIONS * j;
+        double normal = m->stage.rotor->normal_part.at[j];
+        if (force[RADIAL] < 0.0)
+            torque += force[TANGENTIAL] * nodes->radius.at[j % nodes->radius.size]
+                      - force[RADIAL] * normal * wall_slope(m, j);
+    }
+    return torque;
+}
+
 /* Advance the state of the drive by an accepted step. */
 static void account_drive(March *m, int touching)
 {
     const Numbers *n = m->stage.numbers;
-    const ContactScratch *c = &m->scratch->contact;
     const Rotation *r = &m->rotation;
-    double *s = m->state->drive.at, dt = n->time_step, contact = 0.0;
-    for (int64_t j = 0; touching && j < c->multiplier.size; j++)
-        if (c->multiplier.at[j] > 0.0)
-            contact += c->multiplier.at[j]
-                       * (wall_slope(m, j) - n->friction * c->sign.at[j] * n->radius);
+    double *s = m->state->drive.at, dt = n->time_step;
+    double contact = touching ? contact_torque(m) : 0.0;
     /* The work of the forces that the changes of acceleration and square in `predict_drive` add. */
     const double *coupled = m->scratch->speed.coupled.at, *along = m->stage.drive->along.at;
     const double *stiffened = m->scratch->speed.stiffened.at;

@@ -69,7 +69,8 @@ static inline void predict(March *m)
         add_node_forces(m);
     if (m->stage.gyroscopic) {
         add_circulation(m->stage.gyroscopic, m->rotation.circulation, x);
-        turn(m->stage.rotor, m->stage.gyroscopic, x, m->stage.speed ? s->speed.force.at : NULL,
+        const Vector *further = &s->speed.force; /* empty if only the loads depend on the speed */
+        turn(m->stage.rotor, m->stage.gyroscopic, x, further->size > 0 ? further->at : NULL,
              s->turned.at);
     }
     if (m->stage.drive)

@@ -288,12 +288,15 @@ static void collect(const March *m, int64_t size)
     const Nodes *nodes = m->stage.nodes;
     const State *state = m->state;
     NodeScratch *s = &m->scratch->nodes;
+    double speed = m->rotation.speed;
     for (int64_t i = 0; i < size; i++) {
         int64_t n = s->list.at[i];
         s->radius.at[i] = nodes->radius.at[n % nodes->radius.size];
         s->gap.at[i] = m->scratch->fields.free_gap.at[n];
         for (int64_t k = 0; k < 2; k++)
             s->direction.at[2 * i + k] = state->direction.at[2 * n + k];
+        if (!(nodes->full > 0.0)) /* friction is opposite to the rotation */
+            s->direction.at[2 * i] = (speed > 0.0) - (speed < 0.0);
         for (int64_t k = 0; k < DIRECTIONS; k++) {
             s->before.at[DIRECTIONS * i + k] = state->force.at[DIRECTIONS * n + k];
             s->slide.at[DIRECTIONS * i + k] = s->slip.at[DIRECTIONS * n + k];

@@ -225,3 +225,64 @@ def test_a_file_without_the_loads_of_the_rotation_is_refused(tmp_path: Path) -> 
     bw.write_superelement(file, replace(part, euler_load=None))
     with pytest.raises(CaseError, match=r"rotation.effects.*centrifugal_load and euler_load"):
         bw.case_from(case.model_dump(exclude_defaults=True))
+
+
+def coasting(folder: Path, **march: Any) -> bw.Case:
+    """Two blades that differ in an oval wall, without effects of the rotation."""
+    stage, _ = of_solids(folder, "blade")
+    file = stage.table.file
+    bw.write_superelement(file, replace(bw.read_superelement(file), gyroscopic=None))
+    given = stage.case.model_dump(exclude_defaults=True, include={"bladed_disk", "reduction"})
+    return bw.case_from(
+        given
+        | {
+            "casing": {
+                "type": "rigid",
+                "clearance": 1e-5,
+                "clearance_lobes": [{"lobes": 2, "amplitude": 4e-5}],
+                "closure": {"amount": 2e-5, "time_constant": 1e-3},
+            },
+            "contact": {"friction": 0.05},
+            "march": {"duration": 0.02, "time_step": 2e-7, "record_step": 1e-5, **march},
+        }
+    )
+
+
+def test_blades_brake_a_rotor_that_coasts(tmp_path: Path) -> None:
+    """The speed lost is the impulse of the forces on the contact nodes about the axis."""
+    drive = {"inertia": 0.05, "torque": 0.3}
+    case = coasting(tmp_path, speed="800 rad/s", drive=drive)
+    result, report = march_in_memory(prepare(case))
+    impulse = result["friction_impulse"].values.sum(axis=0)
+    pushed = result["contact_impulse"].values.sum(axis=0)
+    assert pushed.sum() > 0.0
+    np.testing.assert_allclose(impulse, 0.05 * pushed, rtol=1e-9)
+    speed = result["rotation_speed"].values
+    gained = 0.05 * (speed[-1] - speed[0])
+    # The normal forces of an oval wall have a torque too: force times change of the radius.
+    force = result["contact_force"].values[..., 0]
+    angle = result["rotation_angle"].values[:, None] + result["tip_angle"].values
+    slope = -2 * 4e-5 * np.sin(2 * angle)
+    steps = np.gradient(result["time"].values)[:, None]
+    normal = float((-force * slope * steps).sum())
+    friction = -float((impulse * result["contact_radius"].values).sum())
+    assert abs(normal) < 0.2 * abs(friction)
+    assert gained == pytest.approx(0.3 * 0.02 + friction + normal, rel=0.02)
+    assert summarise(result, report).energy_residual < 1e-8
+
+
+def test_coriolis_forces_of_one_speed_are_refused(tmp_path: Path) -> None:
+    stage, _ = of_solids(tmp_path, "blade")
+    given = stage.case.model_dump(exclude_defaults=True, exclude={"rotation"})
+    with pytest.raises(CaseError, match=r"rotation.effects.*a file without gyroscopic"):
+        bw.case_from(given)
+
+
+def test_friction_on_blades_changes_its_sign_with_the_speed(tmp_path: Path) -> None:
+    table = [["0 s", "300 rad/s"], ["0.02 s", "-300 rad/s"]]
+    result, _ = march_in_memory(prepare(coasting(tmp_path, speed_table=table)))
+    time, force = result["time"].values, result["contact_force"].values
+    for sign, chosen in ((-1.0, time < 0.009), (1.0, time > 0.011)):
+        normal, tangential = force[chosen, :, 0], force[chosen, :, 1]
+        assert (normal < 0.0).any()
+        np.testing.assert_allclose(tangential, -0.05 * sign * normal, atol=1e-9)
