@@ -14,7 +14,8 @@ A = M / dt^2 + D / (2 dt)
 S is the diagonal matrix of the signs of sliding. D includes point dampers; c is the inverse of A
 without point dampers, because point dampers respond to a contact force from the next step on.
 Coriolis forces add Omega G / dt to A and to the factor of x_{n-1}. With Coriolis forces, c of the
-rotor includes Coriolis forces and point dampers.
+rotor includes Coriolis forces and point dampers. At a speed that varies A, K and the loads are
+those of the speed at n; works and energies are then not those of the kernel.
 """
 
 from dataclasses import dataclass, replace
@@ -144,12 +145,25 @@ class Reference:
         self._late = la.block_diag(*dampers) - self._felt  # dampers that respond one step late
         if rotor.by_velocity is not None:
             self._felt[: self._rotor_modes, : self._rotor_modes] += rotor.by_velocity
+        self._at_base = self._felt
+        self._turn(0)
+        self._near = near_gap(problem)
+        self._held, self._unchecked = held_steps(problem, dt)
+
+    def _turn(self, n: int) -> None:
+        """Set the matrices that depend on the speed at step n."""
+        dt, problem, modes = self._dt, self._problem, self._rotor_modes
+        change = problem.change
+        if change is not None and change.coriolis is not None:
+            self._felt = self._at_base.copy()
+            further = 2.0 * (problem.speed_at(n * dt) - problem.speed)
+            self._felt[:modes, :modes] += further * change.coriolis
+        elif n > 0:
+            return
         self._by_velocity = self._felt + self._late
         inertia = np.diag(1.0 / dt**2 + self._damping / (2.0 * dt))
         self._inverse = np.linalg.inv(inertia + self._by_velocity / (2.0 * dt))
         self._compliance = np.linalg.inv(inertia + self._felt / (2.0 * dt))
-        self._near = near_gap(problem)
-        self._held, self._unchecked = held_steps(problem, dt)
 
     def init(self) -> ReferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -214,6 +228,7 @@ class Reference:
     def _step(self, state: ReferenceState) -> Step:
         """Return the results of one step: predict, look, solve, correct."""
         dt, n, x, before = self._dt, state.step, state.now, state.before
+        self._turn(n)
         force, circulated = self._force(n), self._circulation(x)
         restoring = self._stiffness * x + self._spring_force(n, x)
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
@@ -301,9 +316,13 @@ class Reference:
 
     def _force(self, n: int) -> FloatArray:
         """Return the modal forces of the loads at step n, (modes,)."""
-        total = np.zeros(len(self._stiffness))
-        for load in self._problem.loads:
-            total += load_factor(load, n * self._dt) * np.concatenate([load.rotor, load.casing])
+        total, problem = np.zeros(len(self._stiffness)), self._problem
+        turned = problem.rotation_at(n * self._dt)
+        for load in problem.loads:
+            factor = load_factor(load, n * self._dt)
+            if problem.change is not None:
+                factor = load.amplitude(n * self._dt, turned, problem.speed)
+            total += factor * np.concatenate([load.rotor, load.casing])
         return total
 
     def _circulation(self, x: FloatArray) -> FloatArray:
@@ -314,10 +333,17 @@ class Reference:
         return np.concatenate([force, np.zeros(len(x) - self._rotor_modes)])
 
     def _spring_force(self, n: int, x: FloatArray) -> FloatArray:
-        """Return K*_n x of the coupling springs and of unequal static shaft springs, (modes,)."""
+        """Return K*_n x of the coupling springs, of unequal static shaft springs and of the change
+        of the speed, (modes,)."""
+        change, modes = self._problem.change, self._rotor_modes
+        if change is not None:
+            turned = self._problem.rotation_at(n * self._dt)
+            still = np.zeros(modes)
+            force = change.change_of_force(self._problem.speed, turned, x[:modes], still)
+            return np.concatenate([-force, np.zeros(len(x) - modes)])
         if self._problem.springs is None and self._problem.rotor.anisotropy == 0.0:
             return np.zeros_like(x)
-        return self._problem.spring_stiffness(self._problem.speed * n * self._dt) @ x
+        return self._problem.spring_stiffness(self._problem.angle_at(n * self._dt)) @ x
 
     def _rows(self, x: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus
@@ -326,7 +352,7 @@ class Reference:
         With `tip_rotation`, the angles of the tips include their tangential displacements in ``x``.
         """
         problem, rotor = self._problem, self._problem.rotor
-        angle = rotor.tip_angle + problem.speed * n * self._dt
+        angle = rotor.tip_angle + problem.angle_at(n * self._dt)
         if problem.tip_rotation:
             angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
         radial, along, clearance = self._wall_rows(angle, n)
@@ -397,7 +423,7 @@ class Reference:
         if not isinstance(coating, WallCoating):
             return Coated(strain, tips, tips, none, none, 0.0)
         strain = strain.copy()
-        angle = rotor.tip_angle + problem.speed * n * self._dt
+        angle = rotor.tip_angle + problem.angle_at(n * self._dt)
         if problem.tip_rotation:
             angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
         _, tangential, _ = self._rows(x, n)
@@ -440,7 +466,7 @@ class Reference:
         """Return the sign of the sliding velocity of each tip, from the motion in the last step,
         (tips,)."""
         problem = self._problem
-        speed = np.full(len(tangential), problem.speed)
+        speed = np.full(len(tangential), problem.speed)  # of one sign
         if problem.sliding == "signed":
             # The product of the tangential rows and a forward motion of a blade is negative.
             speed = problem.rotor.tip_radius * problem.speed - tangential @ moved / self._dt

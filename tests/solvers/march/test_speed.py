@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from contact_cases import assert_same, run
 from places import EXAMPLES
+from reference_march import Reference
 
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
@@ -14,6 +15,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import SpeedChange
+from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.verification.bodies import (
     ledger_residual,
     marched,
@@ -84,10 +86,35 @@ def test_works_balance_the_energy_while_the_speed_changes(effects: str) -> None:
     assert_same(dense, cyclic, 1e-8)
 
 
+def test_a_rub_at_a_rising_speed_is_that_of_the_definitions() -> None:
+    """Nine blades that rub while the speed rises: every step in NumPy with the matrices
+    at its speed."""
+    given = small_stage(
+        "bladed_disk.blades=9",
+        "casing.elements=12",
+        "reduction.fixed_interface_modes=9",
+        "rotation.effects=full",
+        "casing.clearance=0.03 mm",
+        "initial.centre_velocity=[0.1, 0.05]",
+        "contact.friction=0.05",
+        table=(("0 s", 0.9), ("0.02 s", 1.1)),
+    )
+    scheme, reference = CentralDifference(given, 4e-6, 20), Reference(given, 4e-6, 20)
+    found = scheme.advance(scheme.init(), 1001)[1]
+    expected = reference.advance(reference.init(), 1001)[1]
+    assert found.contact_impulse.any()
+    for name, error in (
+        ("rotor_displacement", 1e-6),
+        ("casing_displacement", 1e-3),
+        ("contact_impulse", 1e-3),
+        ("gap", 1e-3),
+    ):
+        one, other = getattr(found, name), getattr(expected, name)
+        np.testing.assert_allclose(one, other, atol=error * np.abs(other).max(), err_msg=name)
+
+
 def test_a_march_that_is_resumed_is_the_same() -> None:
     given = small_stage("rotation.effects=full", table=(("0 s", 0.4), ("0.01 s", 1.05)))
-    from bladewhirl.solvers.march.central_difference import CentralDifference
-
     scheme = CentralDifference(given, 1e-6, 100)
     whole = scheme.advance(scheme.init(), 5001)[0]
     half = scheme.advance(scheme.init(), 2301)[0]
