@@ -152,6 +152,15 @@ class ModalModel(ABC):
         """
         return None
 
+    def tip_motions(self, modes: LabelledModes | LabelledWhirlModes) -> tuple[str, ...]:
+        """Return what the tip of a blade mostly does in each mode, see `tip_motion`; "" if it is
+        not known.
+
+        Args:
+            modes: modes of the bladed disk from `by_centre`.
+        """
+        return ("",) * len(modes.family)
+
     @property
     @abstractmethod
     def disk_modes(self) -> LabelledModes:

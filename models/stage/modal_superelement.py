@@ -34,6 +34,7 @@ from bladewhirl.models.modal.modal_model import (
     ShaftBlock,
 )
 from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
+from bladewhirl.models.modal.tip_motion import tip_motion
 from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
 from bladewhirl.models.rotation.waves import Waves
@@ -145,6 +146,21 @@ class ModalSuperelement(ModalModel):
             displacement=rotate(moved.real, turn) + 1j * rotate(moved.imag, turn),
             stage=arrays,
         )
+
+    def tip_motions(self, modes: LabelledModes | LabelledWhirlModes) -> tuple[str, ...]:
+        part, copies = self.stage.part, self._table.copies
+        of_blade = self.stage.given.contacts // (copies if self._table.kind == "wheel" else 1)
+        listed = modes.modes if isinstance(modes, LabelledWhirlModes) else modes
+        clamped = self.clamped_blocks is not None and modes is self.by_centre["clamped"]
+        blocks, found = self.clamped_blocks if clamped else self.blocks, []
+        assert blocks is not None
+        for k, amplitude in zip(listed.nodal_diameter.tolist(), listed.amplitudes, strict=True):
+            block = blocks[UNKNOWN] if UNKNOWN in blocks else blocks[max(k, 0)]
+            moved = (block.contact @ amplitude).reshape(-1, of_blade, 3)
+            most = int(np.linalg.norm(moved, axis=(1, 2)).argmax())
+            place = part.contact_position[most * of_blade : (most + 1) * of_blade]
+            found.append(tip_motion(place, moved[most]))
+        return tuple(found)
 
     def _around(self, k: int, field: ComplexArray) -> ComplexArray:
         """Return the displacements of the points of the whole structure, (points, 3), from those of

@@ -43,11 +43,13 @@ def point_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
     listed, shapes = model.listed_modes, model.points(numbers)
     assert shapes is not None
     modes = listed.modes if isinstance(listed, LabelledWhirlModes) else listed
+    motions = model.tip_motions(listed)
     values: dict[str, Any] = {
         "rotor_frequency": ("rotor_mode", modes.frequency[numbers], {"units": "rad/s"}),
         "rotor_nodal_diameter": ("rotor_mode", modes.nodal_diameter[numbers]),
         "rotor_purity": ("rotor_mode", modes.purity[numbers]),
         "rotor_family": ("rotor_mode", [listed.family[i] for i in numbers]),
+        "rotor_tip_motion": ("rotor_mode", [motions[i] for i in numbers]),
         "point": (("points", "axis"), shapes.position, {"units": "m"}),
         "triangle": (("triangles", "corner"), shapes.triangle),
         "point_shape": (
@@ -218,6 +220,8 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         hertz = float(row["rotor_frequency"]) / (2.0 * np.pi)
         name = mode_title(str(row["rotor_family"].values), k, purity if k >= 0 else 1.0)
         share_of_k = f"\nk = {k}: {100 * purity:.0f} %" if 0 <= k and purity < PURE else ""
+        if does := str(row["rotor_tip_motion"].values):
+            name = f"{name}, {does}"
         axes.set_title(f"{name}\n{hertz:.4g} Hz{share_of_k}".lstrip())
     figure.colorbar(
         matplotlib.cm.ScalarMappable(norm, colours),

@@ -214,6 +214,9 @@ def _film(
     title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave, {hertz:.4g} Hz"
     if mode.body == "casing":
         title = f"casing {title}"
+    elif does := stage.tip_motions(modes)[numbers[0]]:
+        title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {does}, {wave} wave"
+        title += f", {hertz:.4g} Hz"
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem
     film = folder / f"{stem}.gif"

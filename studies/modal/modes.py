@@ -33,6 +33,7 @@ LISTS = {
 COLUMNS = (
     Column("number", "mode", "d"),
     Column("family", "family"),
+    Column("tip_motion", "tip"),
     Column("nodal_diameter", "k", "d"),
     Column("frequency_hz", "[Hz]", ".4f", variable="frequency"),
     Column("normalised", "/ ω₁", ".5f", variable="normalised_frequency"),
@@ -60,12 +61,13 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
         modes.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
 
     If all blades are equal, this selects two frequencies: of the cosine and the sine mode of a
-    pair. `pattern` is cosine, sine or single. `direction` and `direction_static` are the directions
-    of waves in the rotating and in the static frame at the speed of the case: standing, or forward
-    and backward with respect to the rotation. With Coriolis forces the two waves of a pair differ
-    in frequency, and `pattern` is wave or single. With rotation effects, the branch with most of
-    its strain energy in the shaft springs is the suspension, and `family_at_rest` is the name of
-    the same branch at rest.
+    pair. `tip_motion` is what the tips of 3D blades with several contact nodes mostly do: flapwise,
+    edgewise, torsion, chordwise, radial or mixed. `pattern` is cosine, sine or single. `direction`
+    and `direction_static` are the directions of waves in the rotating and in the static frame at
+    the speed of the case: standing, or forward and backward with respect to the rotation. With
+    Coriolis forces the two waves of a pair differ in frequency, and `pattern` is wave or single.
+    With rotation effects, the branch with most of its strain energy in the shaft springs is the
+    suspension, and `family_at_rest` is the name of the same branch at rest.
     `modes.reset_index("mode")` can be saved to a file.
 
     A superelement is a wheel, a wheel of sectors, or one of several equal blades. The centre of a
@@ -121,6 +123,7 @@ def _modes_of(
         "centre": [centre] * modes.count,
         "family": source.family,
         "family_at_rest": source.at_rest or source.family,
+        "tip_motion": stage.tip_motions(source) if body == "bladed-disk" else [""] * modes.count,
         "pattern": pattern,
         "direction": rotating,
         "direction_static": static,
@@ -174,7 +177,9 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
     Both modes of a degenerate pair are listed; with rotation effects, also directions of waves.
     """
     effects = computed.attrs["rotation_effects"] != "none"
-    columns = (*COLUMNS, *AT_SPEED) if effects else COLUMNS
+    every = (*COLUMNS, *AT_SPEED) if effects else COLUMNS
+    known = any(computed["tip_motion"].values)
+    columns = [column for column in every if known or column.key != "tip_motion"]
     lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
     return {
         name: rows_of(data.isel(mode=slice(count)), columns)
@@ -210,6 +215,7 @@ def report(computed: xr.Dataset, count: int) -> Study:
         plain = {
             "nodal_diameter": unknown,
             "purity": unknown or bool((single["purity"] > 0.9995).all()),
+            "tip_motion": not any(single["tip_motion"].values),
             "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
         }
         shown = [column for column in columns if not plain.get(column.key, False)]
