@@ -31,7 +31,7 @@
  * at tips or casing nodes. On a cyclic body a column is a Fourier harmonic, and both stages are
  * small. On any other body there is one row, a column is a mode, and the shape matrix is dense.
  *
- * `solvers.march.reference` is the same scheme in NumPy, which follows the definitions directly.
+ * `tests/support/reference_march.py` is the same scheme in NumPy, which follows the definitions.
  */
 #include "nodes.h"
 #include "drive.h"
