@@ -3,6 +3,7 @@
 import os
 import time
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from statistics import median
 
@@ -10,11 +11,15 @@ from statistics import median
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
+import typer.testing
 from hypothesis import settings
 
 # The same examples everywhere, and none judged by the clock.
 settings.register_profile("house", deadline=None, derandomize=True, database=None)
 settings.load_profile("house")
+
+# Commands are built once, not for each call.
+vars(typer.testing)["_get_command"] = cache(vars(typer.testing)["_get_command"])
 
 PROCESSOR_BUDGET = 2.0
 """Processor time that a test may take unless it is marked slow, children included, on a machine

@@ -321,14 +321,14 @@ def check_key(case: Case, key: str, place: str = OVER) -> None:
 
 def unit_of(case: Case, key: str) -> str:
     """Return the SI unit of a key, from its description; "1" for dimensionless numbers."""
-    description = dict(_numeric_keys(case))[key]
+    table = dict(_numeric_keys(case))[key]
+    description = table.descriptions().get(key.rpartition(".")[2], "")
     match = re.search(r"\[([^\]]+)\]", description)
     return match[1] if match else "1"
 
 
-def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
-    """Yield the dotted keys with numerical values, and their descriptions."""
-    descriptions = type(table).descriptions()
+def _numeric_keys(table: Table) -> Iterator[tuple[str, type[Table]]]:
+    """Yield the dotted keys with numerical values, and the kinds of the tables that have them."""
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
         rows: Iterable[tuple[object, Table]] = ()
@@ -337,15 +337,15 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
         elif isinstance(value, tuple):
             rows = ((number, row) for number, row in enumerate(value) if isinstance(row, Table))
         for key, row in rows:
-            yield from ((f"{name}.{key}.{inner}", text) for inner, text in _numeric_keys(row))
+            yield from ((f"{name}.{key}.{inner}", kind) for inner, kind in _numeric_keys(row))
         if isinstance(value, Table):
-            yield from ((f"{name}.{inner}", text) for inner, text in _numeric_keys(value))
+            yield from ((f"{name}.{inner}", kind) for inner, kind in _numeric_keys(value))
             continue
         kinds = {field.annotation, *get_args(field.annotation)}
         kinds |= {part for kind in tuple(kinds) for part in get_args(kind)}
         scalar = isinstance(value, int | float | Speed) and not isinstance(value, bool)
         if scalar or (value is None and kinds & {int, float, Speed} and tuple not in kinds):
-            yield name, descriptions.get(name, "")
+            yield name, type(table)
 
 
 def _range(label: str, numbers: Sequence[Decimal], most: int) -> list[Decimal]:
