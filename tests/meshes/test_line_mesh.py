@@ -15,6 +15,7 @@ def disk(blades: int, elements: int) -> LineMesh:
     return case_beam_model(case_from({"bladed_disk": table})).mesh
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(blades=st.integers(3, 40), elements=st.integers(1, 12))
 def test_a_bladed_disk_of_any_size(blades: int, elements: int) -> None:

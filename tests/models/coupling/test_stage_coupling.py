@@ -60,6 +60,7 @@ def test_amplitudes_are_those_of_the_fields_everywhere() -> None:
             assert field[:, 1] == pytest.approx(a * np.sin(k * angle), abs=1e-6 * abs(a))
 
 
+@pytest.mark.slow
 def test_all_modes_have_zones_at_their_own_coincidence_speeds() -> None:
     """Beyond the paper: a chart of all nodal diameters. Six modes hide those of k = 2 and more."""
     whole = stage().with_unit_amplitudes().modes

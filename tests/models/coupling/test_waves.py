@@ -45,6 +45,7 @@ def uneven(changes: Mapping[str, object]) -> ModalStage:
     return modal_stage(with_values(Case(), SMALL | dict(changes)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("modes", "speed", "kappa", "physical", "blades"),
     [
@@ -197,6 +198,7 @@ def test_a_stage_that_nothing_holds_still_has_no_state_matrix() -> None:
         system.state_matrix(1.0, 500.0)
 
 
+@pytest.mark.slow
 def test_what_a_frame_holds_still() -> None:
     assert not standing_obstacles(tuned(), damped=True)
     bearings = {"shaft.stiffness_y": 1e7, "shaft.frame": "static"}
@@ -207,6 +209,7 @@ def test_what_a_frame_holds_still() -> None:
     assert standing_obstacles(uneven(RIB), damped=False)
 
 
+@pytest.mark.slow
 def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
     case = str(EXAMPLES / "stiffened_casing.toml")
     point = ["--speed", "1.17", "--kappa", "500", "--physical"]

@@ -43,6 +43,7 @@ def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
     assert observed_order(np.array(errors)) == pytest.approx(4.0, abs=0.5)
 
 
+@pytest.mark.slow
 def test_a_tip_touches_first_where_the_clearance_is_smallest() -> None:
     """The force turns with blade 0 and grows by a fifth of the lobes a revolution."""
     case = read_case(ELLIPSE)

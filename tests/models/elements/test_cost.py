@@ -51,6 +51,7 @@ def test_what_is_usual_is_not(caplog: pytest.LogCaptureFixture) -> None:
     assert not caplog.records
 
 
+@pytest.mark.slow
 def test_what_the_machine_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     case = large(600, 10)
     needed = stage_cost(case)

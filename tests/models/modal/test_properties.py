@@ -19,6 +19,7 @@ ELEMENTS = st.integers(1, 4)
 THICKNESS = st.floats(0.002, 0.06)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(blades=st.integers(3, 24), elements=ELEMENTS, thickness=THICKNESS)
 def test_frequencies_are_those_of_a_plain_frame(
@@ -32,6 +33,7 @@ def test_frequencies_are_those_of_a_plain_frame(
     assert set(modes.nodal_diameter.tolist()) == set(range(blades // 2 + 1))
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(blades=BLADES, elements=ELEMENTS, clamped=st.booleans(), data=st.data())
 @pytest.mark.parametrize("dense", [False, True])

@@ -61,6 +61,7 @@ def test_the_reduction_at_speed(ratio: float) -> None:
     assert stage.reference_frequency / (2 * np.pi) == pytest.approx(THIN["reference_hz"], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_cold_clearance_is_what_growth_leaves() -> None:
     hot, cold = (
         build_stage(turning(rotation={"effects": "centrifugal", "clearance": state}))
@@ -77,6 +78,7 @@ def test_a_cold_clearance_is_what_growth_leaves() -> None:
         build_stage(case)
 
 
+@pytest.mark.slow
 def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
     """The force that brings a tip out by the clearance, by its radial displacement."""
     load = {"type": "imbalance", "clearance_speed": 1.05}
@@ -91,6 +93,7 @@ def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
     assert unbalance(stage) == pytest.approx(room / tip / omega**2, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_reduced_matrices_with_coriolis_forces() -> None:
     """Waves of the reduced model, and what internal damping does to the slowest of them."""
     reduced, row = build_stage(turning("full")).reduced, known(1.05)
@@ -109,6 +112,7 @@ def test_reduced_matrices_with_coriolis_forces() -> None:
     assert "gyroscopic" not in build_stage(turning()).reduced.to_xarray()
 
 
+@pytest.mark.slow
 def test_a_march_knows_coriolis_forces_and_damping_of_the_modes_at_rest() -> None:
     """Past the critical speed it needs them."""
     assert contact_problem(build_stage(turning())).rotor.by_velocity is None
@@ -130,6 +134,7 @@ def listed_modes(case: Case, folder: Path, *options: str) -> dict[str, Any]:
     return actual
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "static"), [(1.05, ["backward", "forward"]), (2.5, ["forward", "forward"])]
 )
@@ -178,6 +183,7 @@ def test_a_result_has_the_waves_that_its_modes_make_up(ratio: float) -> None:
             np.testing.assert_allclose(actual, known(1.05)[way][str(k)][:3], rtol=3e-3)
 
 
+@pytest.mark.slow
 def test_the_error_of_the_reduction_is_that_of_its_waves() -> None:
     """At 1.05 backward and forward against the full model's, the other way round alike."""
     ahead, back = (build_stage(turning("full", march={"speed": x})) for x in (1.05, -1.05))
@@ -194,6 +200,7 @@ def test_the_error_of_the_reduction_is_that_of_its_waves() -> None:
     assert back.frequency_error == pytest.approx(ahead.frequency_error, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_past_its_critical_speed_a_forward_wave_is_negative() -> None:
     """The one that ends at its critical speed; Coriolis forces aside nothing has two ways."""
     arrays = build_stage(turning("full", march={"speed": 2.5})).arrays

@@ -204,6 +204,7 @@ def test_the_other_sense_of_rotation_mirrors_all_waves() -> None:
         np.testing.assert_allclose(one.frequency[ours], other.frequency[theirs], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("omega", [200.0, 300.0, -800.0])
 def test_internal_damping_feeds_whirl_until_bearings_hold_it(omega: float) -> None:
     """Waves by nodal diameter against real matrices of all sectors."""

@@ -105,6 +105,7 @@ def test_arcs_that_end_inside_elements_are_right_to_a_per_cent() -> None:
     assert actual[1].max() < 0.7 * actual[0].max()
 
 
+@pytest.mark.slow
 def test_nothing_jumps_as_an_arc_grows() -> None:
     """Steps a fourth as long change the frequencies by about a fourth each; a jump would stay."""
     largest = []

@@ -32,6 +32,7 @@ def case(folder: Path, part: Superelement, kind: str, **tables: Any) -> bw.Case:
     return bw.case_from(given | tables)
 
 
+@pytest.mark.slow
 def test_modes_of_a_sector_at_speed_are_those_of_calculix(tmp_path: Path) -> None:
     path = deck(tmp_path, bladed_sector("hexahedron"), "C3D8I")
     part = mesh3d(path, **STEEL, **TIE, mass_quadrature="reduced")
@@ -106,6 +107,7 @@ def test_a_stiffness_of_another_speed_is_mentioned(tmp_path: Path) -> None:
     assert not [*stiffness_hints(bw.with_values(with_change, {"rotation.effects": "centrifugal"}))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["centrifugal", "full"])
 def test_a_large_blade_is_condensed_for_all_speeds(
     effects: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -139,6 +141,7 @@ def test_a_large_blade_is_condensed_for_all_speeds(
             assert np.sort(forces[0]) == pytest.approx(np.sort(forces[1]), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_error_of_a_condensed_sector_is_known(tmp_path: Path) -> None:
     """It is that of modes at other speeds: with rotation, and large if one of them is changed."""
     part = mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE)

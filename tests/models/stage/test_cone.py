@@ -156,6 +156,7 @@ def test_a_straight_contour_is_a_cone(coating: dict[str, Any], tmp_path: Path) -
         assert contour[name].values == pytest.approx(cone[name].values, abs=1e-7 * size)
 
 
+@pytest.mark.slow
 def test_periodic_contact_under_a_straight_contour_is_that_of_a_cone(tmp_path: Path) -> None:
     cone, contour = (
         bw.periodic(rubbing(tmp_path, **wall), speeds=["1000 rad/s"])

@@ -68,6 +68,7 @@ def test_marches_as_written_out(
     assert state.statistics.complementarity_residual < 1e-10
 
 
+@pytest.mark.slow
 def test_a_single_mode_on_springs_marches_as_written_out() -> None:
     """A mode without partner does not turn: K* then pulsates, and its frequencies with it."""
     given = sideways(problem("reduction.modes=six", "bladed_disk.blades=6"))

@@ -195,6 +195,7 @@ def test_a_harmonic_force_in_either_frame() -> None:
         np.testing.assert_allclose(force, [size, 0.0], atol=1e-8)
 
 
+@pytest.mark.slow
 def test_excitations_of_a_list_act_together_and_a_list_of_one_changes_nothing() -> None:
     tables = [
         '{type = "casing-distortion"}',

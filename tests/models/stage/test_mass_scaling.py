@@ -75,6 +75,7 @@ def test_springs_on_scaled_modes_are_refused() -> None:
         screening_problem(moved, timing)
 
 
+@pytest.mark.slow
 def test_a_wheel_is_screened_as_its_beams(tmp_path: Path) -> None:
     tables: dict[str, Any] = {
         "casing": {"elements": 40, "support": 7.975e6},

@@ -131,6 +131,7 @@ def static(problem: ContactProblem, speed: float, force: Any) -> Any:
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wheel", "blade", "sector"])
 def test_contact_nodes_are_where_statics_place_them(tmp_path: Path, kind: str) -> None:
     """The steady state of K(Omega) u = Omega^2 F, and the flexibility of K(Omega)."""
@@ -183,6 +184,7 @@ def test_frequencies_at_each_speed_are_those_of_the_file(tmp_path: Path, kind: s
     assert abs(fixed[0] / np.sort(stage.reduced_at(low).frequency)[0] - 1.0) > 1e-3
 
 
+@pytest.mark.slow
 def test_the_start_is_the_state_at_the_first_speed(tmp_path: Path) -> None:
     """Without a load nothing moves until the speed does, and the gaps are those at this speed."""
     stage, problem = massless(tmp_path)
@@ -198,6 +200,7 @@ def test_the_start_is_the_state_at_the_first_speed(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_works_balance_the_energy_of_massless_ends(tmp_path: Path) -> None:
     stage, _ = massless(tmp_path, closure=CLOSING)
     result, report = march_in_memory(prepare(stage.case))

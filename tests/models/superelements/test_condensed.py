@@ -35,6 +35,7 @@ def test_a_condensed_wheel_has_its_modes_and_flexibilities(
     assert flexible[0] == pytest.approx(flexible[1], abs=1e-7 * np.abs(flexible[1]).max())
 
 
+@pytest.mark.slow
 def test_a_wheel_that_loses_its_stiffness_in_the_range_is_reduced_at_its_speed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

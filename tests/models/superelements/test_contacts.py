@@ -118,6 +118,7 @@ def test_a_file_with_nodes_on_both_faces_is_marched_with_one_of_each(tmp_path: P
     assert result["contact_impulse"].values == pytest.approx(expected["contact_impulse"].values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("unsolved", "share"), [(2, 1e-3), (2, 0.1), (1, 1e-3)])
 def test_unsolved_steps_are_an_error_or_the_first_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, unsolved: int, share: float

@@ -27,6 +27,7 @@ def of_disk(case: bw.Case, count: int) -> Any:
     return found.isel(mode=(found["centre"] == "clamped").values).isel(mode=slice(count))
 
 
+@pytest.mark.slow
 def test_a_mistuned_sector_has_the_modes_of_mistuned_beams(tmp_path: Path) -> None:
     tuned, factors = beams("sector"), {"bladed_disk.mistuning": {"stiffness": FACTORS}}
     expected = of_disk(bw.with_values(tuned, factors), 10)
@@ -46,6 +47,7 @@ def sector() -> Superelement:
     return mesh3d(mesh, **STEEL, **TIE, contacts=3, blade="r > 0.0899")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "centrifugal"])
 def test_a_mistuned_sector_of_solids_has_the_modes_of_its_wheel(
     effects: str, sector: Superelement, tmp_path: Path

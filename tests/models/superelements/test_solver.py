@@ -109,6 +109,7 @@ def test_a_free_blade_has_six_rigid_modes_and_a_finite_residual_flexibility() ->
         massless(free, 4)  # two rigid motions are left
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rigid", [False, True])
 def test_waves_of_a_sector_are_those_of_dense_matrices(sector: Superelement, rigid: bool) -> None:
     count, rows = 15, sector.contact_rows

@@ -16,6 +16,7 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 
+@pytest.mark.slow
 def test_the_drawback_of_a_result_is_that_of_the_march() -> None:
     changes = ["contact.foreshortening=true", "march.duration=2 ms", "excitation.amplitude=1e4"]
     case = bw.read_case(EXAMPLES / "abradable_coating.toml", [*changes, "excitation.ramp=0"])

@@ -89,6 +89,7 @@ def test_values_of_lost_blades(run: tuple[xr.Dataset, dict[str, float]]) -> None
     assert rows["loss"] == "blades 2, 5 lost at 0.01 s beyond 30 % of the length"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "full"])
 def test_strain_energy_is_that_of_the_matrices_of_what_remains(effects: str) -> None:
     changes = (*CHANGES, f"rotation.effects={effects}", "excitation.ramp=0", "march.duration=0.015")

@@ -182,6 +182,7 @@ def diagrams() -> xr.Dataset:
     return bw.veering(stage(), families=4, stiffnesses=np.geomspace(1e5, 1e9, 10))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", ["rotating", "static"])
 def test_coincidences_are_marked_where_a_level_meets_a_ray(
     frame: Literal["rotating", "static"],
@@ -228,6 +229,7 @@ def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name
     assert_legible(figure)
 
 
+@pytest.mark.slow
 def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter() -> None:
     """On a broken axis: the second family above, the suspension, the first."""
     figure = plot_families(diagrams(), 2)

@@ -77,6 +77,7 @@ def test_of_a_closed_surface_the_side_towards_the_viewer_is_drawn() -> None:
     assert len(facing_triangles(corners, mixed)[0]) == 12
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_the_command_draws_both_bodies(tmp_path: Path) -> None:
     wheel = exported(beams(rotation={"effects": "full"}), "wheel", tmp_path)
@@ -112,6 +113,7 @@ def test_waves_travel_as_those_of_its_beams(
     assert wheel[1:] / wheel[:-1] == pytest.approx(beam[1:] / beam[:-1], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_films_of_a_blade_move(tmp_path: Path, can_draw: None) -> None:
     bw.write_superelement(tmp_path / "rods.npz", blade())
     model = modal_model(bw.case_from(tables(tmp_path / "rods.npz")), count=2)

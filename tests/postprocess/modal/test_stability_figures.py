@@ -59,6 +59,7 @@ def motion() -> CoupledMotion:
     )
 
 
+@pytest.mark.slow
 def test_chart_draws_its_zones_up_from_the_coincidence_speeds() -> None:
     data = chart(six_modes())
     figure = plot_chart(data, point=(1.17, 500.0))
@@ -77,6 +78,7 @@ def test_chart_draws_its_zones_up_from_the_coincidence_speeds() -> None:
     assert set(data["zone_rotor"].values) == {"1F", "suspension"}
 
 
+@pytest.mark.slow
 def test_spectrum_shows_three_types_of_modes() -> None:
     data = spectrum_along(system(six_modes()), np.array([0.6, 3.0]) * UNIT, 500.0)
     figure = plot_spectrum(data)

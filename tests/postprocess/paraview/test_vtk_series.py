@@ -237,6 +237,7 @@ class TestUndeformedMesh:
         assert np.flatnonzero(mesh.point_data["centre"]) == [int(result.centre_node)]
 
 
+@pytest.mark.slow
 def test_portions_have_no_effect(
     result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

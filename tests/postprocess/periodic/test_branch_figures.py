@@ -53,6 +53,7 @@ def stored(folder: Path, clearance: str = "0.4 mm", size: float = 1.0) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_points_of_a_sweep_have_the_unit_of_the_branch(tmp_path: Path) -> None:
     branch = bw.open_branch(stored(tmp_path / "branch"))
     motions: Any = [{}, None]
@@ -70,6 +71,7 @@ def test_points_of_a_sweep_have_the_unit_of_the_branch(tmp_path: Path) -> None:
     assert np.asarray(marches)[0] == pytest.approx(impulse)
 
 
+@pytest.mark.slow
 def test_a_backbone_goes_through_the_peaks(tmp_path: Path) -> None:
     narrow = stored(tmp_path / "one")
     wide = stored(tmp_path / "two", "0.5 mm", 0.5)
@@ -84,6 +86,7 @@ def test_a_backbone_goes_through_the_peaks(tmp_path: Path) -> None:
     assert np.asarray(peaks.get_ydata()) == pytest.approx([1.0, 2.0])  # mm
 
 
+@pytest.mark.slow
 def test_maps_show_branches_at_the_value_of_their_case(tmp_path: Path) -> None:
     folder = synthetic_sweep(tmp_path / "map", KEYS, [{}] * 4, units=UNITS)
     branch = bw.open_branch(stored(tmp_path / "b"))
@@ -95,6 +98,7 @@ def test_maps_show_branches_at_the_value_of_their_case(tmp_path: Path) -> None:
     assert np.nanmax(np.asarray(line.get_ydata())) == pytest.approx(0.4)  # mm
 
 
+@pytest.mark.slow
 def test_commands_lay_folders_over_figures(tmp_path: Path) -> None:
     branch, folder = stored(tmp_path / "branch"), tmp_path / "map"
     synthetic_sweep(folder, KEYS, [{}] * 4, units=UNITS)

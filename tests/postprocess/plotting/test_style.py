@@ -21,6 +21,7 @@ from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 
 
 class TestFiguresOfARun:
+    @pytest.mark.slow
     @pytest.mark.parametrize("growing", [False, True])
     def test_are_one_column_wide_and_legible(self, growing: bool) -> None:
         result = synthetic_result(records=3001 if growing else 401, growth=0.8 if growing else 0.0)
@@ -30,6 +31,7 @@ class TestFiguresOfARun:
             for axes in figure.axes:
                 assert not axes.title.get_window_extent().overlaps(axes.get_window_extent())
 
+    @pytest.mark.slow
     def test_look_the_same_whatever_the_users_settings(self, tmp_path: Path) -> None:
         energies = strain_energies(synthetic_result(records=50))
         plain, *_ = style.save_figure(plot_energy(energies), tmp_path / "plain", energies)

@@ -118,6 +118,7 @@ def test_noise_of_arrivals_is_noise_of_deflections(result: xr.Dataset) -> None:
     assert np.nanmax(abs(clock - exact["btt_arrival"].values)) <= 0.5e-4 + 1e-15
 
 
+@pytest.mark.slow
 def test_noise_follows_from_seed_and_number(result: xr.Dataset) -> None:
     gauges: list[dict[str, Any]] = [
         GAUGE | {"noise": 1e-6, "name": name, "seed": seed}
@@ -196,6 +197,7 @@ def test_what_cannot_be_timed_is_refused() -> None:
         tip_timing(bending(401), [None])  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_run_too_short_for_an_arrival_has_none(result: xr.Dataset) -> None:
     short = result.isel(time=slice(0, 3))
     signals = bw.sensors(short, [TIMING | {"probes": [1e-3] * 100, "noise": "1 us"}])

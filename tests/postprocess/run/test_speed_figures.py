@@ -55,6 +55,7 @@ def through() -> xr.Dataset:
     return result_of(TABLE, FULL)
 
 
+@pytest.mark.slow
 def test_torques_of_a_free_speed_change_the_angular_momentum() -> None:
     rub = (
         '[casing]\ntype = "rigid"\nclearance = "0.2 mm"\n[initial]\ncentre_velocity = [0.3, 0.0]\n'
@@ -100,6 +101,7 @@ def test_a_prescribed_speed_needs_the_torque_of_its_inertia(through: xr.Dataset)
     np.testing.assert_allclose(data["power_drive"][calm], torque[calm] * speed[calm], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_orbits_at_the_crossings_of_critical_speeds(through: xr.Dataset) -> None:
     case = loads(f"{FULL}{CASE}{TABLE}")
     speeds = bw.critical_speeds(case, branches=4)

@@ -107,6 +107,7 @@ class TestSummarise:
         assert "too few records or periods" in summary.regime_criterion
         json.loads(summary.to_json())
 
+    @pytest.mark.slow
     def test_a_long_run_is_read_without_holding_its_histories(self, tmp_path: Path) -> None:
         records, modes = 15_000, 156
         rng = np.random.default_rng(7)
@@ -247,6 +248,7 @@ class TestRegimes:
             beat = 1 + depth * np.cos(2 * np.pi * TIME / period + phase)
             assert judged(beat, contact=ALWAYS).name == "sustained"
 
+    @pytest.mark.slow
     def test_chaos_about_a_steady_amplitude_rarely_looks_divergent(self) -> None:
         rng = np.random.default_rng(11)
         actual = [judged(np.exp(wander(rng, 0.05, 0.3)), contact=ALWAYS).name for _ in range(60)]

@@ -143,6 +143,7 @@ def test_two_keys_give_a_line_for_each_value_of_the_other(two: Path) -> None:
     assert (np.diff(top.values, axis=1) > 0).all()
 
 
+@pytest.mark.slow
 def test_a_bifurcation_diagram_tells_periods_apart(tmp_path: Path) -> None:
     """Circles that go round once, or once and a half in a revolution, and out of step with it."""
     turns = (1.0, 1.5, np.sqrt(2.0))
@@ -195,6 +196,7 @@ def test_energies_are_those_of_the_modes(sweep: xr.Dataset) -> None:
     assert np.isnan(actual["total"].values[3])
 
 
+@pytest.mark.slow
 def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
     over = {"march.speed": (1.0, 2.0), "contact.friction": (0.1, 0.0), "casing.support": (5.0, 3.0)}
     motions = [

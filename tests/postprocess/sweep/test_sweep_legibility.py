@@ -108,6 +108,7 @@ def test_growth_that_may_be_none_is_crossed_out(sweep: xr.Dataset) -> None:
     assert DOUBTFUL in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
+@pytest.mark.slow
 def test_a_frequency_map_names_only_modes_that_are_seen(sweep: xr.Dataset) -> None:
     maps = frequency_map(sweep, "march_speed")
     names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]

@@ -172,6 +172,7 @@ def rigid_pull(full: FullOrder) -> FloatArray:
     return pull
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "full"])
 @pytest.mark.parametrize("share", [0.0, 0.4])
 def test_a_stage_that_loses_a_blade_in_all_degrees_of_freedom(effects: str, share: float) -> None:
@@ -231,6 +232,7 @@ def test_momentum_and_energy_of_both_parts_are_those_before(effects: str) -> Non
     assert energies[2] > 0.01 * energies[0]
 
 
+@pytest.mark.slow
 def test_the_energy_of_the_lost_blade_leaves_as_work() -> None:
     stage = stage_of(rotation__effects="none")
     problem, full = contact_problem(stage), FullOrder(stage)
@@ -257,6 +259,7 @@ def _around_the_loss(given: ContactProblem, dt: float) -> Chunk:
     return scheme.advance(state, 3, 1)[1]
 
 
+@pytest.mark.slow
 def test_a_constant_speed_in_a_table_loses_a_blade_alike() -> None:
     for effects in ("none", "full"):
         given = contact_problem(stage_of(rotation__effects=effects))
@@ -270,6 +273,7 @@ def test_a_constant_speed_in_a_table_loses_a_blade_alike() -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_blade_is_lost_while_the_speed_changes() -> None:
     """Against an integration of the matrices of the full bladed disk with exponentials."""
     small: dict[str, Any] = {"bladed_disk__blades": 5, "bladed_disk__elements_per_blade": 2}
@@ -340,6 +344,7 @@ def test_a_blade_is_lost_while_the_speed_changes() -> None:
     np.testing.assert_allclose(moved, exact, atol=2e-5 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_a_free_rotor_keeps_what_the_lost_blade_leaves() -> None:
     """A balanced rotor coasts; the blade takes its part of the moment of inertia along."""
     stage = stage_of(
@@ -370,6 +375,7 @@ def test_a_free_rotor_keeps_what_the_lost_blade_leaves() -> None:
     assert np.abs(chunk.rotation_speed[lost] / stage.speed - 1.0).max() > 1e-6
 
 
+@pytest.mark.slow
 def test_the_shaft_is_displaced_about_the_new_centre_of_mass() -> None:
     """Below and far above the critical speed of a disk with short, stiff blades on soft springs, in
     rotating axes: the static displacement under the load after the loss is that of a rigid disk
@@ -399,6 +405,7 @@ def test_the_shaft_is_displaced_about_the_new_centre_of_mass() -> None:
             np.testing.assert_allclose(moved, unbalance / mass, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_contact_of_a_lost_tip_ends_and_that_of_others_continues() -> None:
     for changes in ({}, {"contact__sliding": "full"}, {"contact__foreshortening": True}):
         stage = stage_of(
@@ -417,6 +424,7 @@ def test_contact_of_a_lost_tip_ends_and_that_of_others_continues() -> None:
         assert chunk.gap[lost][:, 0].min() > 0.3
 
 
+@pytest.mark.slow
 def test_a_resumed_march_with_a_loss_is_the_same() -> None:
     problem = contact_problem(stage_of(rotation__effects="full", casing__clearance="0.1 mm"))
     scheme = make_scheme(problem, 1e-6, 100)

@@ -43,6 +43,7 @@ def test_a_disk_that_turns_the_other_way_moves_as_in_a_mirror() -> None:
     np.testing.assert_allclose(other_tangential, -tangential[:, mirrored], atol=size)
 
 
+@pytest.mark.slow
 def test_dampers_that_stand_still_in_a_case() -> None:
     dampers = ("shaft.damping=2e4", "shaft.damping_frame=static")
     for speed in (1.05, -1.05):

@@ -33,6 +33,7 @@ def pulse(force: float, **more: object) -> Case:
     return bw.case_from({**stiff, "excitation": excitation, "march": march, **more})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("force", "regime"), [(1e3, "no-contact"), (3e4, "damped")])
 def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(
     force: float, regime: str
@@ -61,6 +62,7 @@ def separate_blades(folder: Path, **further: object) -> Case:
     return bw.case_from(given | further)
 
 
+@pytest.mark.slow
 def test_a_march_does_not_end_before_a_blade_is_lost(tmp_path: Path) -> None:
     ends = {}
     for time in (None, 0.05, 0.3):

@@ -48,6 +48,7 @@ def marched(given: ContactProblem, steps: int, every: int) -> tuple[ChangingStat
     return state, chunk
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "full"])
 def test_a_support_that_fuses_is_two_marches_joined(effects: str) -> None:
     turning = {"rotation.effects": effects}
@@ -75,6 +76,7 @@ def test_a_support_that_fuses_is_two_marches_joined(effects: str) -> None:
     assert ledger_residual(chunk) < 1e-8
 
 
+@pytest.mark.slow
 def test_a_support_fuses_after_a_blade_is_lost_and_the_march_is_resumed() -> None:
     loss = {"blade_loss": {"blade": 2, "time": 0.004}, "rotation.effects": "full"}
     quiet = {"excitation.unbalance": "20 kg mm", "casing.clearance": "0.5 mm"}

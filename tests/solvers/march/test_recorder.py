@@ -97,6 +97,7 @@ def test_the_layout_covers_everything_there_is() -> None:
     assert {*COATING} - {"rod_angle"} == {field.name for field in fields(CoatingRecords)}
 
 
+@pytest.mark.slow
 def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
     with Recorder(tmp_path / "result.nc", small_stage(), ATTRIBUTES) as recorder:
         recorder.write(made_up(small_stage(), 0, 1))

@@ -87,6 +87,7 @@ def test_a_tip_at_whole_turns_is_under_the_node_that_it_is_at() -> None:
         assert np.abs(np.diff(chunk.gap[1:], n=2, axis=0)).max() < 1e-9, f"{turns} turns"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_tip_near_a_node_of_the_casing_has_the_gap_of_the_reference(seed: int) -> None:
     """At speeds that are ratios of whole numbers, both ways, after up to thousands of revolutions.

@@ -86,6 +86,7 @@ def test_works_balance_the_energy_while_the_speed_changes(effects: str) -> None:
     assert_same(dense, cyclic, 1e-8)
 
 
+@pytest.mark.slow
 def test_a_rub_at_a_rising_speed_is_that_of_the_definitions() -> None:
     """Nine blades that rub while the speed rises: every step in NumPy with the matrices
     at its speed."""

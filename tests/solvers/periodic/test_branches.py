@@ -60,6 +60,7 @@ def traced() -> tuple[list[Point], list[bifurcation.Bifurcation]]:
     return points, special
 
 
+@pytest.mark.slow
 def test_a_multiplier_leaves_the_unit_circle_at_each_of_two_folds() -> None:
     points, folds = traced()
     assert [each.kind for each in folds] == ["fold", "fold"]
@@ -73,6 +74,7 @@ def test_a_multiplier_leaves_the_unit_circle_at_each_of_two_folds() -> None:
     assert not any(monodromy(point.motion).stable for point in back)
 
 
+@pytest.mark.slow
 def test_a_march_loses_the_large_motion_beyond_the_upper_fold() -> None:
     high = traced()[1][0].point.parameter
     state, _ = settled(1.04, np.array([2.0, 0.0]), 30)
@@ -81,6 +83,7 @@ def test_a_march_loses_the_large_motion_beyond_the_upper_fold() -> None:
     assert settled(high * 1.002, state, 100)[1] < 1.0
 
 
+@pytest.mark.slow
 def test_a_march_loses_the_small_motion_below_the_lower_fold() -> None:
     low = traced()[1][1].point.parameter
     speed = low * 1.002

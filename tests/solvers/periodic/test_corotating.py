@@ -60,6 +60,7 @@ def test_the_command_prints_the_radius_of_the_shaft(tmp_path: Path) -> None:
     assert "no contact at 0.5" in refusal("periodic", file, "--speeds", "0.5")
 
 
+@pytest.mark.slow
 def test_the_command_draws_the_forces(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(imbalance(**{"contact.friction": 0.0})))

@@ -69,6 +69,7 @@ def test_a_blade_in_an_oval_wall_moves_as_in_a_march(
     assert np.abs(leading.multipliers[0]) == pytest.approx(decay(state), abs=5e-3)
 
 
+@pytest.mark.slow
 def test_a_large_rub_that_only_a_branch_finds_is_that_of_a_march() -> None:
     """Newton's method from the motion without contact finds nothing here."""
     problem = twisted_blade("7000 rpm", "full", 0.1, "0.1 mm")
@@ -161,6 +162,7 @@ def test_deviations_do_not_grow_in_a_long_contact_with_few_instants() -> None:
     assert np.exp(-0.5 * 0.05 * pressed.period) - 1e-9 < largest < 0.95
 
 
+@pytest.mark.slow
 def test_a_blade_that_jams_has_no_periodic_motion() -> None:
     """Friction that moves the nodes outward by more than the normal force moves them inward."""
     blade = oscillator(0.5, 2.0)

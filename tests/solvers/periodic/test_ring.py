@@ -49,6 +49,7 @@ def impulse_of_last_turn(chunk: Any, records: int) -> FloatArray:
     return np.asarray(last.reshape(16, -1).sum(axis=1), dtype=np.float64)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes", [{"excitation": ORDERS}, pytest.param({}, marks=pytest.mark.slow)]
 )
@@ -82,6 +83,7 @@ def test_a_march_of_sixteen_blades_leaves_unstable_motions_only(speed: str, stab
     assert stable or np.ptp(each) > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("copies", "speed", "damping"),
     [(1, "10000 rpm", 0.03), pytest.param(4, "7000 rpm", 0.04, marks=pytest.mark.slow)],
@@ -105,6 +107,7 @@ def test_deviations_of_blades_and_ring_decay_as_in_a_march(
     assert largest == pytest.approx(decay(state[50:], 0.93), abs=5e-3)
 
 
+@pytest.mark.slow
 def test_passages_of_blades_lead_to_the_matrix_of_a_period() -> None:
     """A motion of two periods is another one with a period of a turn."""
     problem = bladed_ring(4, 0.05)

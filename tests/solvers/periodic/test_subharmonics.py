@@ -39,6 +39,7 @@ def integrated() -> tuple[np.ndarray, np.ndarray]:
     return done.y[0], STOP * np.maximum(0.0, done.y[0] - 1.0)
 
 
+@pytest.mark.slow
 def test_a_subharmonic_is_that_of_time_integration() -> None:
     """Two motions exist: one with the period of the force, without contact, and one with twice this
     period, to which the oscillator comes from rest."""

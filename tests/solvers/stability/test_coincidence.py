@@ -49,6 +49,7 @@ def test_corotating_waves_never_coincide() -> None:
                 assert not np.isclose(actual.speed, apart).any()
 
 
+@pytest.mark.slow
 @given(rotor=st.floats(0.1, 100.0), casing=st.floats(0.0, 100.0), k=st.integers(1, 20))
 def test_both_bodies_see_the_same_wave_at_the_coincidence(
     rotor: float, casing: float, k: int

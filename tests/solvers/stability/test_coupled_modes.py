@@ -48,6 +48,7 @@ def growing_motion() -> CoupledMotion:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.01])
 def test_response_obeys_the_periodic_equations(damping_ratio: float) -> None:
     modes = six_modes(damping_ratio)

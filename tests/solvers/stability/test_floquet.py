@@ -53,6 +53,7 @@ def test_agrees_with_the_autonomous_form(speed: float, kappa: float, damping_rat
     assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_agrees_for_many_nodal_diameters_and_a_single_mode() -> None:
     # The last two are a casing pair and a single rotor mode, as for k = N/2.
     modes = CouplingModes(

@@ -91,6 +91,7 @@ def test_rotors_that_turn_have_the_same_spectrum_at_half_the_size(
             assert np.linalg.svd(held + 1j * nu * drag)[1].min() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_waves_of_a_rotor_that_turns_meet_the_casing_s_where_a_scan_says(mirrored: bool) -> None:
     modes = turning_pairs(0.0, mirrored=mirrored)

@@ -68,6 +68,7 @@ def test_the_same_two_masses_with_coriolis_forces_and_spin_softening() -> None:
     np.testing.assert_allclose(actual.clamped * [1.0, 1.0, -1.0, -1.0], clamped)
 
 
+@pytest.mark.slow
 def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> None:
     springs = np.array([1e5, 3.4e7, 5e9])
     actual = veering(stage(), families=2, stiffnesses=springs)["branch_frequency"]
@@ -106,6 +107,7 @@ def test_clamping_changes_one_nodal_diameter_and_the_suspension_is_between_the_f
     assert actual.sizes["mode"] == 2 * 12 * 12 + 1
 
 
+@pytest.mark.slow
 def test_past_a_critical_speed_where_both_waves_of_the_suspension_go_backward() -> None:
     """More families than there are modes are all of them."""
     past = {"rotation.effects": "full", "march.speed": 2.0, "shaft.stiffness": 5e6}

@@ -44,6 +44,7 @@ def document(command: str, *arguments: str) -> dict[str, Any]:
     return content
 
 
+@pytest.mark.slow
 def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None:
     free, clamped = document("modes"), document("modes", "--set", "shaft.clamped=true")
     assert clamped["bladed_disk"] == free["bladed_disk_clamped"]
@@ -111,6 +112,7 @@ def test_a_diagram_has_two_ends(speeds: Any) -> None:
 Figures = dict[str, tuple[Figure, xr.Dataset]]
 
 
+@pytest.mark.slow
 def test_campbell_diagrams_and_table(case: Path, saved: Figures) -> None:
     result = answer("campbell", case, "--speeds", "0.5:2.7", "--operating", "1:1.2")
     assert result.stdout.splitlines()[-1] == "Wrote fan-campbell."
@@ -142,6 +144,7 @@ def test_an_operating_range_is_named_only_if_it_is_given(case: Path, saved: Figu
     assert "Coincidences in the operating range" in (case.parent / "ranged.html").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None:
     effects = ("--set", "rotation.effects=full")
     page = tmp_path / "fan.html"

@@ -53,6 +53,7 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
         assert data.time.values[[0, -1]] == pytest.approx([0.1, 0.2])
 
 
+@pytest.mark.slow
 def test_a_figure_for_a_paper(directory: Path) -> None:
     options = ["--format", "svg", "--width", "85", "--title", "Rub of a fan"]
     printed = answer("plot", directory, "orbit", *options).stdout
@@ -82,6 +83,7 @@ def test_without_a_name_the_names_are_listed(directory: Path) -> None:
     assert [line.partition(":")[0] for line in result.stdout.splitlines()] == names
 
 
+@pytest.mark.slow
 def test_figures_that_exist_are_drawn_before_the_others_are_named(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)
     words = ["plot", still, "state-space", "orbit", "wear", "nonsense", "--format", "svg"]

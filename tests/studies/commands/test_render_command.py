@@ -20,6 +20,7 @@ def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
     assert (run / "still.png").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("can_draw")
 def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None:
     path = tmp_path / "new" / "coarse.gif"

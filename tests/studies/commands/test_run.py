@@ -165,6 +165,7 @@ def test_a_casing_that_goes_too_far_is_named_not_a_blade() -> None:
     assert float(match[2]) == pytest.approx(float(wall[worst]), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_window_of_the_run_seen_from_the_rotor(path: Path) -> None:
     out = path.parent / "out"
     window = ["--from", "2 ms", "--to", "0.004", "--frames", "3", "--rotating"]
@@ -267,6 +268,7 @@ def test_ctrl_c_finishes_what_was_recorded(path: Path, monkeypatch: pytest.Monke
         assert 3.0 > result["time"][-1] == summary["end_time"] > 0.0
 
 
+@pytest.mark.slow
 def test_a_path_is_read_and_implausible_values_are_warned_of(path: Path) -> None:
     path.write_text(bw.dumps_case(quick(**{"contact.friction": 30.0})))
     with pytest.warns(Hint, match=r"contact.friction = 30.0: expected at most 2 for dry metals"):

@@ -86,6 +86,7 @@ def test_the_distorted_mode_and_its_static_answer(path: Path) -> None:
     assert answer is None or answer["static_displacement"] > 1e3
 
 
+@pytest.mark.slow
 def test_the_suspension_at_speed_is_that_of_modes() -> None:
     # Spin softening: the branch that is 1F at rest has most of its strain energy in the springs.
     soft = {"shaft.stiffness": 6e6, "rotation.effects": "centrifugal", "march.speed": "2300 rpm"}

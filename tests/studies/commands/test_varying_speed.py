@@ -15,6 +15,7 @@ FAN = str(EXAMPLES / "spinning_fan.toml")
 FEW = ("--set", "bladed_disk.blades=8", "--set", "bladed_disk.elements_per_blade=3")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [

@@ -34,6 +34,7 @@ def spread(seed: int = 4) -> dict[str, Any]:
     return {"bladed_disk.mistuning": {"stiffness_spread": 0.02, "seed": seed}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", pytest.param("centrifugal", marks=pytest.mark.slow)])
 def test_patterns_of_beams_have_the_amplification_of_their_responses(effects: str) -> None:
     tuned = beams("sector", excitation=LOAD, damping={"ratio": 2e-3}, rotation={"effects": effects})
@@ -46,6 +47,7 @@ def test_patterns_of_beams_have_the_amplification_of_their_responses(effects: st
     assert np.ptp(data["amplification"].values) > 0.05
 
 
+@pytest.mark.slow
 def test_patterns_of_sectors_have_the_amplification_of_their_responses(tmp_path: Path) -> None:
     part = bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2, blade="r > 0.0899")
     bw.write_superelement(tmp_path / "part.npz", part)
@@ -67,6 +69,7 @@ def test_patterns_of_sectors_have_the_amplification_of_their_responses(tmp_path:
         assert data["amplification"].values[0, draw] == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["curved_blades", "shrouded_blades", "rim_disk"])
 def test_stiffnesses_of_blades_add_up_to_that_of_mistuning(name: str) -> None:
     """On curved blades, on blades with shrouds, and on a disk with springs to its rim."""
@@ -80,6 +83,7 @@ def test_stiffnesses_of_blades_add_up_to_that_of_mistuning(name: str) -> None:
     assert abs(change - found).max() < 1e-11 * abs(change).max()
 
 
+@pytest.mark.slow
 def test_percentiles_have_bands() -> None:
     case = bw.with_values(beams("sector", excitation=LOAD, damping={"ratio": 5e-3}), spread())
     data = bw.amplification(case, draws=200, speeds=np.linspace(0.4, 0.7, 31).tolist())

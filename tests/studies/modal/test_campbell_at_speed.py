@@ -80,6 +80,7 @@ def test_speeds_take_any_unit() -> None:
             campbell(case, speeds=wrong)
 
 
+@pytest.mark.slow
 def test_branches_have_the_frequencies_of_the_stage_at_speed() -> None:
     result = diagram()
     for row in KNOWN["speeds"]:
@@ -151,6 +152,7 @@ def test_the_command_prints_critical_speeds(
     assert f"ratio {small_diagram('full').attrs['clearance_gone']:.6g}" in done.stdout
 
 
+@pytest.mark.slow
 def test_merged_waves_grow() -> None:
     """Ground resonance without damping and contact; the hint comes from the reduced model."""
     soft = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 6e6}
@@ -261,6 +263,7 @@ def rigid_rotor(stiffness: float, stiffness_y: float, effects: str = "full") -> 
     )
 
 
+@pytest.mark.slow
 def test_unequal_bearings_have_a_critical_speed_each() -> None:
     """The closed form sqrt(k / m) for x and for y; the mean stiffness gives neither."""
     case = rigid_rotor(2e6, 7e6)

@@ -87,6 +87,7 @@ def radial_work(own: bw.Case, field: FloatArray) -> FloatArray:
     return np.asarray(unit_forces(own, stage.disk, own.excitation) @ field)
 
 
+@pytest.mark.slow
 def test_forces_along_a_blade_have_their_resultant_and_their_place() -> None:
     stage = bw.build_stage(case())
     disk = stage.disk
@@ -154,6 +155,7 @@ def test_a_response_needs_a_speed_at_which_the_bladed_disk_is_stable() -> None:
         bw.response(turning, speeds=[0.5, 1e3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "effects", "tuned"),
     [
@@ -218,6 +220,7 @@ def test_peaks_are_found_between_speeds(effects: str, tuned: bool) -> None:
     assert float(drawn.max()) == pytest.approx(rows[0]["amplitude"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", pytest.param("full", marks=pytest.mark.slow)])
 def test_a_mistuned_sector_responds_as_its_wheel(effects: str, tmp_path: Path) -> None:
     """The direct solution of the assembled wheel is that of stiffness, mass, Coriolis forces and

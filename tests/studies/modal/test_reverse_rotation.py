@@ -30,6 +30,7 @@ def stage(effects: Effects, speed: float) -> ModalStage:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])
 @pytest.mark.parametrize("speed", [0.7, 1.6])
 def test_modes_are_listed_alike(effects: Effects, speed: float) -> None:

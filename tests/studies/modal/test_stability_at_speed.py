@@ -71,6 +71,7 @@ def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
     np.testing.assert_allclose(rotating.monodromy, turn.monodromy, atol=1e-7 * abs(omega))
 
 
+@pytest.mark.slow
 def test_blades_of_one_hand_have_complex_matrices() -> None:
     straight, curved = (coupled(name).modes for name in ("fan_stage", "curved_blades"))
     for modes, mirrored in ((straight, True), (curved, False)):
@@ -178,6 +179,7 @@ def test_internal_damping_destabilises_the_bladed_disk_alone_past_its_critical_s
     assert damped.rotor_alone(damped.reference)["rotor_growth_rate"] <= 0.0
 
 
+@pytest.mark.slow
 def test_unlike_blades_with_rotation_are_refused() -> None:
     case = bw.read_case(EXAMPLES / "mistuned_blades.toml", ["rotation.effects=full"])
     with pytest.raises(UserError, match=r"rotation\.effects = \"full\"; here blades differ"):

@@ -63,6 +63,7 @@ def test_modes_of_a_part_are_those_of_its_beams(tmp_path: Path, kind: Kind) -> N
         assert other["frequency"].values == pytest.approx(one["frequency"].values[:6], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_blades_of_a_wheel_are_known_only_by_their_number(tmp_path: Path) -> None:
     """Without copies a mode has no nodal diameter; if blades differ, it has a dominant one."""
     case = beams()
@@ -99,6 +100,7 @@ def test_the_blades_of_a_wheel_are_known_only_by_their_number(tmp_path: Path) ->
     ) == {-1}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "full"])
 def test_the_campbell_diagram_of_a_wheel_is_that_of_its_beams(tmp_path: Path, effects: str) -> None:
     case = beams(rotation={"effects": effects})
@@ -166,6 +168,7 @@ def test_coriolis_forces_split_the_waves_of_a_sector(tmp_path: Path) -> None:
     assert np.diff(of_march).max() > 1e-3 * of_march[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bearings", [{}, {"stiffness_y": 1.4e7, "frame": "static"}])
 def test_critical_speeds_of_a_wheel_are_those_of_its_beams(
     tmp_path: Path, bearings: dict[str, Any]
@@ -206,6 +209,7 @@ def test_a_wheel_is_marched_with_its_stiffness_at_speed(tmp_path: Path) -> None:
         superelement_stage(too_fast)
 
 
+@pytest.mark.slow
 def test_a_large_wheel_is_reduced_to_modes_that_suit_all_shaft_springs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -261,6 +265,7 @@ def test_matrices_at_speed_act_alike_in_modes_and_in_the_march(tmp_path: Path, k
     assert np.sort(of_march[of_march > 0.0])[:8] == pytest.approx(lowest, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "full"])
 def test_veering_of_a_wheel_is_that_of_its_beams(tmp_path: Path, effects: str) -> None:
     case, springs = beams(rotation={"effects": effects}), np.geomspace(1e5, 1e9, 5)

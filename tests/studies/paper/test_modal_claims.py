@@ -49,6 +49,7 @@ def test_claims_on_uncoupled_modes() -> None:
     assert (numbers["standard"], numbers["inverted"]) == ("standard", "inverted")
 
 
+@pytest.mark.slow
 def test_5_with_one_section_for_every_beam() -> None:
     """Known from an independent reduction, in per cent."""
     case = with_values(Case(), {"bladed_disk.disk.thickness": 0.01})

@@ -62,6 +62,7 @@ def test_an_interrupted_branch_is_continued(tmp_path: Path) -> None:
     assert (again["parameter"].values == rest["parameter"].values).all()
 
 
+@pytest.mark.slow
 def test_a_branch_begins_with_the_last_point_of_another(tmp_path: Path) -> None:
     """The large rub at 7000 rpm is reached from a smaller clearance."""
     first = tmp_path / "first"
@@ -79,6 +80,7 @@ def test_a_branch_begins_with_the_last_point_of_another(tmp_path: Path) -> None:
     assert float(second["impulse_per_revolution"][0]) > 30.0
 
 
+@pytest.mark.slow
 def test_a_branch_begins_with_the_last_period_of_a_run(tmp_path: Path) -> None:
     own = case(**SMALL, **{"march.duration": "0.2 s"})
     bw.run(own, tmp_path / "run", frames=0)
@@ -89,6 +91,7 @@ def test_a_branch_begins_with_the_last_period_of_a_run(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_draws(tmp_path: Path) -> None:
     file, folder, over = tmp_path / "case.toml", tmp_path / "out", f"{CLOSURE}=0.0997mm:0.1mm"
     file.write_text(bw.dumps_case(case(**SMALL)))
@@ -98,6 +101,7 @@ def test_the_command_prints_and_draws(tmp_path: Path) -> None:
     assert "already exists" in refusal("periodic", file, "--over", over, "-o", folder)
 
 
+@pytest.mark.slow
 def test_the_command_resumes(tmp_path: Path) -> None:
     folder = tmp_path / "b"
     bw.branch(case(**SMALL), CLOSURE, "0.0997 mm", "0.1 mm", points=1, directory=folder)
@@ -123,6 +127,7 @@ def test_refusals(tmp_path: Path, words: Any, message: str) -> None:
     assert message in refusal("periodic", file, *words, "-o", tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_branch_of_blades_in_a_flexible_ring() -> None:
     ring = {
         "casing.type": "ring",

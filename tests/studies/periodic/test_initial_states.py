@@ -43,6 +43,7 @@ def marched(own: bw.Case) -> tuple[float, xr.Dataset]:
     return impulse, march_in_memory(prepared)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "tolerance"),
     [
@@ -62,6 +63,7 @@ def test_each_revolution_has_the_impulse_of_the_periodic_motion(
     assert each == pytest.approx(impulse, rel=tolerance)
 
 
+@pytest.mark.slow
 def test_contact_of_an_imbalance_stays_constant() -> None:
     own = bw.with_values(
         bw.read_case(ROOT / "examples" / "imbalance.toml"), {"march.duration": 0.05}
@@ -93,6 +95,7 @@ def test_a_sweep_starts_on_the_large_motion(tmp_path: Path) -> None:
     assert (tmp_path / "periodic" / "branches" / "0" / "branch.nc").exists()
 
 
+@pytest.mark.slow
 def test_where_no_motion_is_found_the_march_starts_at_rest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

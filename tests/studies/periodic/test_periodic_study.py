@@ -15,6 +15,7 @@ import bladewhirl as bw
 from bladewhirl.studies.commands.cli import app
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "slope"), [pytest.param(7000.0, 0.0, marks=pytest.mark.slow), (5000.0, "3 deg")]
 )
@@ -36,6 +37,7 @@ def test_a_motion_is_that_of_a_long_run(tmp_path: Path, speed: float, slope: Any
             assert float(one) == pytest.approx(float(other), abs=1e-2 * float(abs(marched).max()))
 
 
+@pytest.mark.slow
 def test_a_dataset_describes_motions_at_speeds() -> None:
     data = bw.periodic(case(), speeds=["7000 rpm", "11000 rpm"])
     assert data["rpm"].values == pytest.approx([7000.0, 11000.0])
@@ -52,6 +54,7 @@ def test_a_dataset_describes_motions_at_speeds() -> None:
     assert (np.diff(sizes, axis=1) <= 1e-9).all()
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_draws(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(case(**{"march.speed": "7500 rpm"})))
@@ -102,6 +105,7 @@ def test_refusals_are_one_sentence(tmp_path: Path, changes: Any, message: str) -
     assert message in refusal("periodic", file, "--blade", number)
 
 
+@pytest.mark.slow
 def test_a_motion_of_two_periods_needs_a_start(tmp_path: Path) -> None:
     """From the motion without contact the search comes to the motion of one period."""
     file = tmp_path / "case.toml"

@@ -15,6 +15,7 @@ from bladewhirl.postprocess.fields.kinematics import clearance_change
 SMALL = {"march.speed": "7500 rpm"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [{"casing.slope": "3 deg", "march.speed": "5000 rpm"}, {"bladed_disk.superelement.copies": 2}],
@@ -41,6 +42,7 @@ def test_a_record_has_the_motion(changes: dict[str, Any], tmp_path: Path) -> Non
             assert blade[:, node, way] == pytest.approx(there, abs=0.01 * np.ptp(expected))
 
 
+@pytest.mark.slow
 def test_films_show_the_motion_of_an_imbalance(tmp_path: Path) -> None:
     file, folder = ROOT / "examples" / "imbalance.toml", tmp_path / "motion"
     answer("periodic", file, "-o", folder)
@@ -52,6 +54,7 @@ def test_films_show_the_motion_of_an_imbalance(tmp_path: Path) -> None:
     assert turns == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_march_that_leaves_the_motion_is_no_record(tmp_path: Path) -> None:
     own = case(**SMALL)
     data = bw.periodic(own)

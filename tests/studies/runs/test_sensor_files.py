@@ -57,6 +57,7 @@ def test_a_gauge_beside_the_mesh_is_refused_before_the_march(tmp_path: Path) -> 
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.slow
 def test_signals_that_cannot_be_computed_leave_a_hint(tmp_path: Path) -> None:
     case = small(**{"sensor": SENSORS[2:], "march.duration": 1e-3})
     with bw.run(case, tmp_path / "run", frames=0).open() as result:

@@ -71,6 +71,7 @@ def case(folder: Path, part: Superelement, **tables: Any) -> bw.Case:
     return bw.case_from(given | tables)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["massless", "consistent"])
 def test_stress_of_a_spinning_bar_is_the_closed_form(boundary: str, tmp_path: Path) -> None:
     """rho Omega^2 (R^2 - r^2) / 2 along the bar; without lateral contraction also at the clamp."""
@@ -87,6 +88,7 @@ def test_stress_of_a_spinning_bar_is_the_closed_form(boundary: str, tmp_path: Pa
     assert abs(arrays.steady_stress[:, 1:]).max() < 0.005 * expected.max()
 
 
+@pytest.mark.slow
 def test_stress_of_a_spinning_bar_follows_its_speed(tmp_path: Path) -> None:
     part = bw.mesh3d(bar(), **STEEL | {"poisson_ratio": 0.0}, coriolis=True)
     table = [["1 ms", "300 rad/s"], ["1 s", f"{SPEED} rad/s"]]
@@ -107,6 +109,7 @@ def test_stress_of_a_spinning_bar_follows_its_speed(tmp_path: Path) -> None:
         assert abs(found - expected).max() < 0.005 * expected.max()
 
 
+@pytest.mark.slow
 def test_steady_stress_is_left_out_without_effects_of_rotation(tmp_path: Path) -> None:
     stage = superelement_stage(case(tmp_path, bw.mesh3d(bar(), **STEEL)))
     assert "steady_stress" not in stage.arrays.stored
@@ -181,6 +184,7 @@ def test_the_largest_stress_is_that_away_from_contact_nodes(tmp_path: Path) -> N
     assert 0.0 < largest < 0.5 * everywhere.max()
 
 
+@pytest.mark.slow
 def test_stress_of_a_wheel_from_a_sector_is_that_of_the_whole_wheel() -> None:
     """Under forces on two of its sectors, and in steady rotation; in the axes of each sector."""
     part = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=2)
@@ -264,6 +268,7 @@ def test_invalid_gauges_are_refused(sensor: dict[str, Any], expected: str, tmp_p
         bw.sensors(march_in_memory(prepare(case(tmp_path, part)))[0], [{"type": "strain"} | sensor])
 
 
+@pytest.mark.slow
 def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
     """In summary, figure, picture and series: that of all records and points."""
     part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
@@ -308,6 +313,7 @@ def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
     assert blades.point_data["von_mises_stress"].shape == (2 * part.point_count,)
 
 
+@pytest.mark.slow
 def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -> None:
     """Static forces on two blades: von Mises stress at all points, and gauges on all blades."""
     part = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=2)
@@ -348,6 +354,7 @@ def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -
     assert signal.values[0] == pytest.approx(strain, rel=1e-9, abs=1e-9 * abs(strain).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("velocity", "end", "hint"),
     [

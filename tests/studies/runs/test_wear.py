@@ -77,6 +77,7 @@ def test_the_summary_has_the_wear(whole: Path) -> None:
     assert summary["energy_residual"] < 1e-8
 
 
+@pytest.mark.slow
 def test_a_run_without_a_coating_has_no_wear(tmp_path: Path) -> None:
     plain = bw.run(small(**{"march.duration": 0.002}), tmp_path / "plain", frames=0)
     assert "wear_volume" not in json.loads(plain.summary.to_json())

@@ -20,6 +20,7 @@ CASE = small(**{"contact.friction": 0.2})
 OVER = {"march.speed": [1.0, 1.5]}
 
 
+@pytest.mark.slow
 def test_values_depend_on_seed_point_and_draw_alone() -> None:
     perturb = ["contact.friction = 0.1", "march.speed = 0.01 absolute uniform"]
     grids = [
@@ -35,6 +36,7 @@ def test_values_depend_on_seed_point_and_draw_alone() -> None:
         assert abs(float(values["march.speed"]) - nominal) < 0.01
 
 
+@pytest.mark.slow
 def test_normal_changes_have_their_standard_deviation() -> None:
     grid = make_grid(CASE, OVER, large=False, draws=parse_draws(2000, ["contact.friction=0.1"], 7))
     numbers = [float(grid.values(point)["contact.friction"]) for point in range(2000)]

@@ -72,6 +72,7 @@ def test_very_long_marches_reach_less_far(stage: MarchedStage) -> None:
     assert instant.samples == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", "centrifugal"])
 def test_a_stage_is_that_of_the_speed_of_its_point(effects: str) -> None:
     slow, fast = (
@@ -86,6 +87,7 @@ def test_a_stage_is_that_of_the_speed_of_its_point(effects: str) -> None:
     assert (frequencies[0] == frequencies[1]).all() == (effects == "none")
 
 
+@pytest.mark.slow
 def test_records_in_memory_are_those_in_a_file(tmp_path: Path) -> None:
     case = bw.case_from({"march": {"speed": 1.05, "duration": "5 ms", "record_step": "20 us"}})
     prepared = prepare(stage_at(case))
@@ -104,6 +106,7 @@ def test_records_in_memory_are_those_in_a_file(tmp_path: Path) -> None:
         assert {*actual.attrs} - {*kept.attrs} == {"format"}
 
 
+@pytest.mark.slow
 def test_points_that_share_their_room_are_those_marched_in_their_own() -> None:
     """The second is shorter, the third has more records than the room that the first left."""
     case = bw.case_from({"march": {"speed": 1.05, "record_step": "20 us"}})

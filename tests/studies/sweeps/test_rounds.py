@@ -124,6 +124,7 @@ def test_a_screened_march_has_the_longer_step() -> None:
     assert screened["end_time"] == pytest.approx(whole["end_time"])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("toy")
 def test_options_that_are_not_used_leave_no_trace(tmp_path: Path) -> None:
     run_sweep(CASE, OVER, tmp_path, draws=2, perturb=PERTURB)

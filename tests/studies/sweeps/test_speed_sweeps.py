@@ -19,6 +19,7 @@ FREE = {"march.speed": 1.0, "march.drive": {"inertia": 0.1}}
 RISING = {"march.run_up": {"from": 0.9, "to": 1.05, "end": 6e-3}, "march.speed": None}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "key", "values"),
     [
@@ -54,6 +55,7 @@ def test_a_ramp_that_is_too_fast_for_the_records_is_refused(tmp_path: Path) -> N
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.slow
 def test_an_early_end_is_refused_where_the_loss_of_a_blade_leaves_an_imbalance(
     tmp_path: Path,
 ) -> None:

@@ -177,6 +177,7 @@ def test_a_changed_plan_is_refused(
         resume_sweep(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> None:
     grid = make_grid(CASE, {"march.speed": [1, 2]}, large=False)
     write_plan(plan_sweep(CASE, grid), tmp_path)

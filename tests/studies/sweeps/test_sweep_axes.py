@@ -89,6 +89,7 @@ def test_more_steps_than_a_cluster_marches_in_weeks_are_asked_for() -> None:
         plan_sweep(Case(), grid, large=False)
 
 
+@pytest.mark.slow
 def test_coordinates_are_si_numbers_with_their_unit() -> None:
     over = {"casing.clearance": ("0.5 mm", "1 mm"), "march.speed": ("60 rpm", "120 rpm")}
     case = Case(march=March(duration=1e-3))
