@@ -17,7 +17,7 @@ from bladewhirl.models.inputs.fields import (
     number,
     quantity,
 )
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
 from bladewhirl.models.inputs.units import Speed
 
 
@@ -210,10 +210,11 @@ class Harmonic(Table):
     """Frame in which the force is fixed, "rotating" or "static"."""
 
 
-class EngineOrder(Table):
+class EngineOrder(ReplacedKeys):
     """Forces on the blades that vary r times in each revolution; r is the engine order."""
 
     acts_on: ClassVar[ActsOn] = "blades"
+    replacements: ClassVar = {"points": ("position",)}
 
     type: Literal["engine-order"] = "engine-order"
     """Force F cos(r (Omega t + theta_n) + phase) on blade n at the angle theta_n. Its direction

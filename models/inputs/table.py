@@ -107,11 +107,11 @@ class ReplacedKeys(Table):
     """A table in which some keys replace others if they are given."""
 
     replacements: ClassVar[Mapping[str, Collection[str]]] = {}
-    """Keys that a key replaces if it is given."""
+    """Keys that a key replaces if it is given; an empty list is not given."""
 
     def written(self) -> Iterable[str]:
         """Return the keys to write, without those that other keys replace."""
-        given = [name for name in self.replacements if getattr(self, name) is not None]
+        given = [name for name in self.replacements if getattr(self, name) not in (None, ())]
         replaced = {each for name in given for each in self.replacements[name]}
         return [name for name in type(self).model_fields if name not in replaced]
 

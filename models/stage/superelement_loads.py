@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
@@ -33,32 +34,49 @@ def blade_angles(angle: FloatArray, blade: IntArray) -> FloatArray:
     return np.asarray(np.angle(np.exp(1j * angle) @ blade_means(blade).T))
 
 
-def engine_order_forces(
-    acting: FloatArray, middle: FloatArray, blade: IntArray, load: EngineOrder
-) -> list[tuple[int, ComplexArray]]:
-    """Return for each engine order r the complex forces on the modes for the time factor
-    exp(i r Omega t) [kg^1/2 m/s2], (copies * modes,).
-
-    The force on blade n is F cos(r (Omega t + theta_n) + phase), with equal parts on its places;
-    theta_n is the angle of the blade. The force acts on the modes; the residual flexibility of the
-    contact nodes does not respond to it.
+def mean_along(
+    load: EngineOrder, blade: IntArray, angle: FloatArray, number: IntArray, count: int
+) -> sp.csr_array:
+    """Return the mean displacement of the places of each blade of a copy along the direction of a
+    load, as rows on the displacements of nodes or points, (blades, 3 * count).
 
     Args:
-        acting: radial and tangential displacements of the places at which the force acts, of a
-            copy, for unit modal coordinates [kg^-1/2], (places, 2, modes).
+        load: the excitation.
+        blade: blade of each place, (places,).
+        angle: angle of the radial direction of each place in the axes of the displacements [rad],
+            (places,).
+        number: number of the node or the point at each place, (places,).
+        count: number of nodes or points.
+    """
+    direction = [np.cos(load.inclination), np.sin(load.inclination), 0.0]
+    shares = rotate(direction, angle) / np.bincount(blade)[blade][:, None]
+    places = np.repeat(blade, 3), (3 * number[:, None] + np.arange(3)).ravel()
+    return sp.csr_array((shares.ravel(), places), shape=(int(blade.max()) + 1, 3 * count))
+
+
+def engine_order_forces(
+    acting: FloatArray, middle: FloatArray, load: EngineOrder
+) -> list[tuple[int, ComplexArray]]:
+    """Return for each engine order r the complex forces for the time factor exp(i r Omega t) on
+    the modes [kg^1/2 m/s2], (copies * modes,).
+
+    The force on blade n is F cos(r (Omega t + theta_n) + phase), with equal parts on its places;
+    theta_n is the angle of the blade.
+
+    Args:
+        acting: `mean_along` for unit modal coordinates [kg^-1/2], (blades of a copy, modes). For
+            unit forces on the contact nodes in their place [m/N], (blades of a copy, 3c), the
+            result has the displacements of these nodes [m].
         middle: angle of each blade at t = 0 [rad], (copies, blades of a copy).
-        blade: blade of each place of a copy, (places,).
         load: the excitation.
     """
-    direction = np.array([np.cos(load.inclination), np.sin(load.inclination)])
-    along, member = np.einsum("d,pdm->pm", direction, acting), blade_means(blade)
     factors = np.broadcast_to(np.asarray(load.factors or 1.0), middle.size).reshape(middle.shape)
     phases = np.broadcast_to(np.asarray(load.phase), middle.size).reshape(middle.shape)
     forces = (
         (order, load.amplitude * factors * np.exp(1j * (order * middle + phases)))
         for order in load.order
     )
-    return [(order, (force @ (member @ along)).ravel()) for order, force in forces]
+    return [(order, (force @ acting).ravel()) for order, force in forces]
 
 
 def blade_means(blade: IntArray) -> FloatArray:

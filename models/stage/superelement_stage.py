@@ -37,6 +37,7 @@ from bladewhirl.models.stage.superelement_loads import (
     blade_means,
     centre_rows,
     engine_order_forces,
+    mean_along,
     static_shapes,
 )
 from bladewhirl.models.stage.superelement_springs import coupling_springs
@@ -254,11 +255,31 @@ class SuperelementStage:
         return closing_unbalance(outward, gap, speed)
 
     def forces_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
-        """Return the complex modal forces of each engine order, see `engine_order_forces`."""
-        reduced, middle = self.reduced, blade_angles(self.angle, self.blade)
+        """Return the complex modal forces of each engine order, see `engine_order_forces`. The
+        residual flexibility of the contact nodes does not respond to them."""
+        at = self.reduced.points if load.points else self.reduced.contact
+        middle = blade_angles(self.angle, self.blade)
+        return engine_order_forces(self._mean_along(load) @ at, middle, load)
+
+    def static_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
+        """Return the complex displacements of the contact nodes that the forces of each engine
+        order cause by the residual flexibility [m], (copies, 3 * nodes)."""
+        means, reduced = self._mean_along(load), self.reduced
+        moved = reduced.points_by_force(means) if load.points else means @ reduced.compliance
+        return [
+            (order, flat.reshape(self.copies, -1) / self.factor[:, None])
+            for order, flat in engine_order_forces(
+                moved, blade_angles(self.angle, self.blade), load
+            )
+        ]
+
+    def _mean_along(self, load: EngineOrder) -> sp.csr_array:
+        """Return the mean displacement on each blade of a copy along the direction of a load, as
+        rows on contact nodes or on the points of the load, see `mean_along`."""
+        nodes = self.part.contacts
         if not load.points:
-            acting = reduced.contact.reshape(self.part.contacts, 3, -1)[:, :2]
-            return engine_order_forces(acting, middle, self.blade, load)
+            return mean_along(load, self.blade, np.zeros(nodes), np.arange(nodes), nodes)
+        middle = blade_angles(self.angle, self.blade)
         number = np.asarray(load.points)
         if self.table.kind == "sector":  # the points of the wheel are those of all sectors
             number = np.searchsorted(self.shown, number)
@@ -267,33 +288,13 @@ class SuperelementStage:
         assert self.part.points is not None  # the case has points of the file only
         x, y, _ = self.part.points[number].T
         angle = np.arctan2(y, x)
-        moved = reduced.points.reshape(self.part.point_count, 3, -1)[number, :2]
-        acting = np.stack([rotate(each, -a, axis=0) for each, a in zip(moved, angle, strict=True)])
         apart = np.angle(np.exp(1j * (angle[:, None] + self.table.angle - middle[0])))
         blade = np.abs(apart).argmin(axis=1)
         if len(np.unique(blade)) < middle.shape[1]:
             key = f"{self.case.key_of(load)}.points"
             expected = "points on every blade of the file"
             raise CaseError([case_fault(self.case, key, expected)])
-        return engine_order_forces(acting, middle, blade, load)
-
-    def static_of_order(self, load: EngineOrder) -> list[tuple[int, ComplexArray]]:
-        """Return the complex displacements of the contact nodes that forces of each engine order on
-        them cause by the residual flexibility [m], (copies, 3 * nodes); none for forces on other
-        points."""
-        if load.points:
-            return []
-        nodes = self.part.contacts
-        acting = np.eye(3 * nodes).reshape(nodes, 3, -1)[:, :2]
-        middle = blade_angles(self.angle, self.blade)
-        return [
-            (
-                order,
-                np.stack([own @ each for own, each in zip(self._compliance, force, strict=True)]),
-            )
-            for order, flat in engine_order_forces(acting, middle, self.blade, load)
-            for force in [flat.reshape(self.copies, -1)]
-        ]
+        return mean_along(load, blade, angle, number, self.part.point_count)
 
     @property
     def _compliance(self) -> FloatArray:

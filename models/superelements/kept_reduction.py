@@ -19,7 +19,7 @@ from bladewhirl.models.superelements.superelement import Superelement
 
 logger = logging.getLogger(__name__)
 
-VERSION = 3
+VERSION = 4
 """Version of the method; a higher one makes all reductions again."""
 
 FOLDER = ".reduced"  #: what the name of the folder adds to that of the file

@@ -146,8 +146,8 @@ def stiffened(
         reduced: reduction of the tuned wheel with more modes than are kept.
         change: change of the stiffness on its modes [1/s2], (more, more).
         modes: number of modes that are kept; the others are static.
-        factor: factor on the stiffness of the blade of each contact node, (c,), by which the
-            residual flexibility is divided.
+        factor: factor on the stiffness of each blade, (blades,), by which the residual flexibility
+            is divided.
 
     Raises:
         SuperelementError: the stiffness is not positive definite.
@@ -158,8 +158,15 @@ def stiffened(
     stress = reduced.stress
     assert reduced.root is not None
     kept, rest = turn[:, :modes], reduced.contact @ turn[:, modes:]
-    softer = np.repeat(1.0 / np.sqrt(factor), 3)
+    scale = 1.0 / np.sqrt(factor)
+    softer = np.repeat(scale, len(rest) // len(factor))
     static = (rest / squares[modes:]) @ rest.T
+
+    def points_by_force(sums: sp.csr_array) -> FloatArray:
+        own = sums @ sp.diags_array(np.repeat(scale, sums.shape[1] // len(factor)))
+        moved = (sums @ reduced.points) @ (turn[:, modes:] / squares[modes:])
+        return np.asarray(reduced.points_by_force(own) * softer + moved @ rest.T)
+
     return replace(
         reduced,
         frequency=np.sqrt(squares[:modes]),
@@ -167,6 +174,7 @@ def stiffened(
         compliance=softer[:, None] * reduced.compliance * softer + static,
         centre=reduced.centre @ kept,
         of_points=lambda: reduced.points @ kept,
+        points_by_force=points_by_force,
         strains=reduced.strains @ kept,
         stress=None if stress is None else replace(stress, modes=stress.modes @ kept),
         loads=reduced.loads @ kept,

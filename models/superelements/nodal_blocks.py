@@ -27,6 +27,7 @@ from bladewhirl.models.superelements.reduction import (
     modes_and_static,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
+from bladewhirl.models.superelements.stresses import recovered_rows
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     LOADS,
@@ -333,10 +334,6 @@ def _block(
     if part.centre_dofs is not None:
         centre = fields[part.centre_dofs]
     none, fourth = np.zeros((0, modes), dtype=np.complex128), part.stiffness_speed4
-
-    def recovered(rows: Matrix | None) -> ComplexArray:
-        return none if rows is None else np.asarray(rows @ fields)
-
     return NodalBlock(
         stiffness=on_modes(part.stiffness),
         springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
@@ -346,12 +343,8 @@ def _block(
         stiffness_speed4=None if fourth is None else on_modes(fourth),
         contact=np.asarray(part.contact_rows @ fields),
         centre=centre,
-        points=none if part.recovery is None else np.asarray(part.recovery @ fields),
-        stresses=none
-        if part.stress_recovery is None
-        else np.asarray(part.stress_recovery @ fields),
+        **{name: np.asarray(rows @ fields) for name, rows in recovered_rows(part).items()},
         loads=np.zeros((modes, part.loads.shape[1]), dtype=np.complex128),
         blade=none,
         blade_loads=none.T,
-        strains=recovered(part.strain_recovery),
     )

@@ -31,6 +31,7 @@ from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
     ReducedStress,
     load_columns,
+    recovered_rows,
     reduced_stress,
 )
 from bladewhirl.models.superelements.superelement import (
@@ -77,6 +78,11 @@ class ReducedSuperelement:
     """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero if there is no
     centre."""
     of_points: Callable[[], FloatArray]  #: computes `points`
+    points_by_force: Callable[[sp.csr_array], FloatArray]
+    """Function from rows on the displacements of the points, (rows, 3p), to these sums of
+    displacements by unit contact forces without their part in the modes [m/N], (rows, 3c); it is
+    also what unit forces along the rows do to the contact nodes. Zero with a consistent boundary.
+    """
     strains: FloatArray = absent()
     """Strains of gauges for unit modal coordinates [kg^-1/2/m], (gauges, modes), if the file gives
     their recovery."""
@@ -161,11 +167,8 @@ def massless(
             f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
             " give all contact nodes a radial flexibility"
         )
-    stress, grown = (
-        reduced_stress(part, squares, shapes, moved, elastic),
-        np.asarray(rows @ moved[:, 3 * part.contacts :]),
-    )
-    return _reduced(part, squares, shapes, compliance, len(squares), stress, grown, root)
+    grown = np.asarray(rows @ moved[:, 3 * part.contacts :])
+    return _reduced(part, squares, shapes, moved, compliance, len(squares), grown, root)
 
 
 def check_count(found: int, modes: int) -> None:
@@ -225,14 +228,12 @@ def consistent(
     shapes, elastic = basis @ vectors, squares > rigid_limit(part)
     # Contact forces act on modes only; the boundary moves as in these under any static load.
     still, loads = np.zeros((part.size, 3 * part.contacts)), part.loads
-    stress = None
-    if part.stress_recovery is not None:
-        rest = loads
-        if loads.shape[1]:
-            rest = _static_rest(part, loads, shapes[:, elastic], squares[elastic])
-        stress = reduced_stress(part, squares, shapes, np.hstack([still, rest]), elastic)
+    rest = np.zeros(loads.shape)
+    if part.stress_recovery is not None and loads.shape[1]:
+        rest = _static_rest(part, loads, shapes[:, elastic], squares[elastic])
     grown = np.zeros((3 * part.contacts, loads.shape[1]))
-    return _reduced(part, squares, shapes, compliance, kept, stress, grown, root)
+    moved = np.hstack([still, rest])
+    return _reduced(part, squares, shapes, moved, compliance, kept, grown, root)
 
 
 def _static_rest(
@@ -248,9 +249,9 @@ def _reduced(
     part: Superelement,
     squares: FloatArray,
     shapes: FloatArray,
+    moved: FloatArray,
     compliance: FloatArray,
     kept: int,
-    stress: ReducedStress | None,
     grown: FloatArray,
     root: "Root | None",
 ) -> ReducedSuperelement:
@@ -258,14 +259,8 @@ def _reduced(
     if part.centre_dofs is not None:
         centre = shapes[part.centre_dofs]
 
-    def points() -> FloatArray:
-        if part.recovery is None:
-            return np.zeros((0, shapes.shape[1]))
-        return np.asarray(part.recovery @ shapes)
-
-    strains = np.zeros(0)
-    if part.strain_recovery is not None:
-        strains = np.asarray(part.strain_recovery @ shapes)
+    rows = recovered_rows(part)
+    by_force = np.asarray(rows["points"] @ moved[:, : 3 * part.contacts])
     matrices = {
         name: shapes.T @ (matrix @ shapes)
         for name in FURTHER
@@ -277,9 +272,10 @@ def _reduced(
         contact=part.contact_rows @ shapes,
         compliance=compliance,
         centre=centre,
-        of_points=points,
-        strains=strains,
-        stress=stress,
+        of_points=lambda: np.asarray(rows["points"] @ shapes),
+        points_by_force=lambda sums: np.asarray(sums @ by_force),
+        strains=np.asarray(rows["strains"] @ shapes),
+        stress=reduced_stress(part, squares, shapes, moved, squares > rigid_limit(part)),
         loads=part.loads.T @ shapes,
         grown=grown.T,
         root=None if root is None else root(shapes),

@@ -13,9 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.superelement import Matrix, Superelement
+
+RECOVERED = {"points": "recovery", "strains": "strain_recovery", "stresses": "stress_recovery"}
+"""Names of what is recovered from the coordinates, and of its rows in the superelement."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +35,13 @@ class ReducedStress:
     steady: FloatArray | None
     """Stress by the centrifugal forces at 1 rad/s [Pa s2], (6p,); None if the file does not give
     them."""
+
+
+def recovered_rows(part: Superelement) -> dict[str, Matrix]:
+    """Return the rows of each of `RECOVERED`; no rows for what the file does not give."""
+    none = sp.csr_array((0, part.size))
+    given = {name: getattr(part, key) for name, key in RECOVERED.items()}
+    return {name: none if rows is None else rows for name, rows in given.items()}
 
 
 def load_columns(part: Superelement, rows: FloatArray) -> FloatArray:

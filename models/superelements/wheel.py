@@ -31,15 +31,21 @@ from bladewhirl.models.superelements.reduction import (
     root_of,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
-from bladewhirl.models.superelements.stresses import ReducedStress
+from bladewhirl.models.superelements.stresses import RECOVERED, ReducedStress, recovered_rows
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     LOADS,
+    RECOVERIES,
     Superelement,
     SuperelementError,
 )
 
-WAVE = ("squares", "contact", "points", "strains", "stresses", "by_force", "steady", "residual")
+BY_FORCE = "_by_force"  #: what the name of a quantity has added for the part by contact forces
+
+WAVE = (
+    *("squares", "contact", "steady", "residual"),
+    *(name + part for name in RECOVERED for part in ("", BY_FORCE)),
+)
 """Arrays of one nodal diameter, see `_reduced`."""
 
 
@@ -150,8 +156,7 @@ class WheelOverSpeeds:
         wheel, reduced = _expanded(self._part, sectors, waves)
         change = change_of_waves(self._coupled(waves), factor)
         order = _order(waves, sectors)
-        of_nodes = np.repeat(factor, self._part.contacts)
-        return wheel, stiffened(reduced, change[order][:, order], sectors * modes, of_nodes)
+        return wheel, stiffened(reduced, change[order][:, order], sectors * modes, factor)
 
     def blades_at(self, omega: float) -> FloatArray:
         """Return the stiffness of each blade on the modes of `at` at a speed [rad/s] [1/s2],
@@ -175,14 +180,8 @@ def _expanded(
     frequency, contact, strains, stresses, loads = [], [], [], [], []
     matrices = (*FURTHER, "root")
     further: dict[str, list[FloatArray]] = {key: [] for key in matrices if key in waves[0]}
-    flexibility = np.zeros((sectors, rows, rows))
-    by_force = np.zeros((sectors, *waves[0]["by_force"].shape))
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
-        for n, angle in enumerate(spread):  # sector n under a force on sector 0
-            turn = (1 + pair) / sectors * np.exp(1j * k * angle)
-            flexibility[n] += (turn * wave["residual"]).real
-            by_force[n] += (turn * wave["by_force"]).real
         for phases in _real_waves(k, spread):
             contact.append(np.vstack([(one * wave["contact"]).real for one in phases]))
             strains.append(np.vstack([(one * wave["strains"]).real for one in phases]))
@@ -193,6 +192,7 @@ def _expanded(
         for key, blocks in further.items():
             blocks.append(_on_waves(wave[key], pair=pair))
     order = _order(waves, sectors)
+    flexibility = _by_distance([wave["residual"] for wave in waves], sectors)
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
     )
@@ -206,6 +206,16 @@ def _expanded(
                 moved.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
         return np.hstack(moved)[:, order]
 
+    def points_by_force(sums: sp.csr_array) -> FloatArray:
+        given = sums.toarray().reshape(sums.shape[0], sectors, -1, 3)
+        used = given.any(axis=(0, 1, 3))
+        own = rotate(given[:, :, used], -spread[:, None], axis=3).reshape(len(given), sectors, -1)
+        blocks = [wave["points" + BY_FORCE].reshape(-1, 3, rows)[used] for wave in waves]
+        moved = np.zeros((len(given), sectors, rows))
+        for n, block in enumerate(_by_distance(blocks, sectors)):
+            moved += np.roll(own @ block.reshape(-1, rows), -n, axis=1)
+        return moved.reshape(len(given), -1)
+
     values = np.asarray(np.concatenate(frequency)[order], dtype=np.float64)
     reduced = ReducedSuperelement(
         frequency=values,
@@ -213,11 +223,12 @@ def _expanded(
         compliance=0.5 * (compliance + compliance.T),
         centre=np.zeros((2, len(values))),
         of_points=points,
+        points_by_force=points_by_force,
         strains=np.hstack(strains)[:, order],
         stress=(
             ReducedStress(
                 modes=np.hstack(stresses)[:, order],
-                forces=by_force,
+                forces=_by_distance([wave["stresses" + BY_FORCE] for wave in waves], sectors),
                 steady=np.tile(waves[0]["steady"], sectors) if len(waves[0]["steady"]) else None,
             )
             if part.stress_recovery is not None
@@ -229,6 +240,12 @@ def _expanded(
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
     return _wheel(part, spread, values), reduced
+
+
+def _by_distance(blocks: Sequence[ComplexArray], sectors: int) -> FloatArray:
+    """Return what unit forces on a sector do to the sector that is n sectors ahead, (sectors,
+    ...), from what forces with each nodal diameter do to the first sector, (...)."""
+    return np.asarray(np.fft.irfft(blocks, sectors, axis=0))
 
 
 def _order(waves: Sequence[Arrays], sectors: int) -> IntArray:
@@ -253,10 +270,9 @@ def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:
 def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     """Return the modes of one nodal diameter, all for the first sector: squared frequencies
     [rad2/s2], (modes,); displacements of contact nodes and points, strains of gauges and stresses
-    of points, (rows, modes) each; the stress by contact forces without their part in the modes,
-    (6p, 3c), and by steady rotation, (6p,), see `ReducedStress`; the residual flexibility [m/N],
-    (3c, 3c); and the optional matrices on the modes. Stresses that the file does not give are
-    empty.
+    of points, (rows, modes) each, and the same by contact forces without their part in the modes,
+    (rows, 3c); the stress by steady rotation, (6p,), see `ReducedStress`; the residual flexibility
+    [m/N], (3c, 3c); and the optional matrices on the modes. What the file does not give is empty.
 
     Raises:
         SuperelementError: there are too few coordinates, or rigid modes.
@@ -272,22 +288,18 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     forces = (part.contact_rows @ wave.tie).conj().T.toarray()
     moved = wave.static(forces, shapes)
     residual = forces.conj().T @ moved
-    fields, none = wave.tie @ shapes, np.zeros((0, modes), dtype=np.complex128)
-    stress, by_force, steady = none, np.zeros((0, forces.shape[1])), np.zeros(0)
-    if part.stress_recovery is not None:
-        stress, by_force = part.stress_recovery @ fields, part.stress_recovery @ (wave.tie @ moved)
-        if part.centrifugal_load is not None and wave.diameter == 0:
-            load = (wave.tie.T @ part.centrifugal_load)[:, None]
-            still = wave.static(load, shapes) + shapes @ (shapes.T @ load / squares[:, None])
-            steady = (part.stress_recovery @ (wave.tie @ still))[:, 0]
+    fields, rest, steady = wave.tie @ shapes, wave.tie @ moved, np.zeros(0)
+    rows = recovered_rows(part)
+    if part.centrifugal_load is not None and wave.diameter == 0:
+        load = (wave.tie.T @ part.centrifugal_load)[:, None]
+        still = wave.static(load, shapes) + shapes @ (shapes.T @ load / squares[:, None])
+        steady = (rows["stresses"] @ (wave.tie @ still))[:, 0]
     return {
-        "stresses": stress,
-        "by_force": by_force,
+        **{name: matrix @ fields for name, matrix in rows.items()},
+        **{name + BY_FORCE: matrix @ rest for name, matrix in rows.items()},
         "steady": steady,
         "squares": squares,
         "contact": part.contact_rows @ fields,
-        "points": none if part.recovery is None else part.recovery @ fields,
-        "strains": none if part.strain_recovery is None else part.strain_recovery @ fields,
         "residual": 0.5 * (residual + residual.conj().T),
         **{
             key: fields.conj().T @ (matrix @ fields)
@@ -325,38 +337,37 @@ def _of_block(
     rest, stiff = shapes[:, modes:], squares[modes:]
     shapes, squares = shapes[:, :modes], squares[:modes]
     touched = block.contact @ rest
-    by_force = (block.stresses @ rest / stiff) @ touched.conj().T
+    by_force = (rest / stiff) @ touched.conj().T
     loads, moved = shapes.conj().T @ block.loads, rest.conj().T @ block.loads / stiff[:, None]
     grown = touched @ moved
     steady = block.stresses @ (rest @ moved + shapes @ (loads / squares[:, None]))
-    residual = (touched / stiff) @ touched.conj().T
     if other is not None:
-        limit = stiffest(squares, block.contact @ shapes, residual)
+        limit = stiffest(squares, block.contact @ shapes, block.contact @ by_force)
         others = la.eigh(block.stiffness + block.change(other))[1][:, :modes]
         own, added = further(stiffness, np.eye(block.size), shapes, others, limit)
         by_added, moved = added.conj().T @ block.loads / own[:, None], block.contact @ added
-        by_force = by_force - (block.stresses @ added / own) @ moved.conj().T
-        residual, grown = residual - (moved / own) @ moved.conj().T, grown - moved @ by_added
+        by_force, grown = by_force - (added / own) @ moved.conj().T, grown - moved @ by_added
         shapes, squares = np.hstack([shapes, added]), np.concatenate([squares, own])
         loads = shapes.conj().T @ block.loads
+    recovered = {name: getattr(block, name) for name in RECOVERED}
+    forced = {name + BY_FORCE: rows @ by_force for name, rows in recovered.items()}
     if static:
         among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
         own, turn = la.eigh((among.conj().T * stiff) @ among)
         among = among @ turn
         moved = touched @ among
-        residual = residual - (moved / own) @ moved.conj().T
+        by_force = by_force - (rest @ among / own) @ moved.conj().T
+        forced["points" + BY_FORCE] = block.points @ by_force
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
         loads = shapes.conj().T @ block.loads
         grown = grown - (moved / own) @ (among.conj().T @ (rest.conj().T @ block.loads))
-    matrices = {key: getattr(block, key) for key in given}
+    matrices, residual = {key: getattr(block, key) for key in given}, block.contact @ by_force
     return {
+        **{name: rows @ shapes for name, rows in recovered.items()},
+        **forced,
         "squares": squares,
         "shapes": shapes,
         "contact": block.contact @ shapes,
-        "points": block.points @ shapes,
-        "strains": block.strains @ shapes,
-        "stresses": block.stresses @ shapes,
-        "by_force": by_force,
         "steady": steady[:, 0].real if block.loads.any() else np.zeros(0),
         "loads": loads,
         "grown": grown,
@@ -406,20 +417,14 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         both = sp.kron(sp.eye_array(sectors), inner) + across
         return sp.csr_array(turn @ both @ turn.T)
 
-    recovery = None
-    if part.recovery is not None:
-        both = sp.kron(sp.eye_array(sectors), part.recovery @ rest)
-        both = (both + sp.kron(step, part.recovery @ on)) @ turn.T
-        each = both.toarray().reshape(sectors, -1, 3, both.shape[1])
-        recovery = rotate(each, spread[:, None, None], axis=2).reshape(both.shape)
-    strains = None
-    if part.strain_recovery is not None:
-        own = sp.kron(sp.eye_array(sectors), part.strain_recovery @ rest)
-        strains = sp.csr_array((own + sp.kron(step, part.strain_recovery @ on)) @ turn.T)
-    stresses = None
-    if part.stress_recovery is not None:
-        own = sp.kron(sp.eye_array(sectors), part.stress_recovery @ rest)
-        stresses = sp.csr_array((own + sp.kron(step, part.stress_recovery @ on)) @ turn.T)
+    recovered: dict[str, Any] = {}
+    for key in RECOVERIES:
+        if (rows := getattr(part, key)) is not None:
+            own = sp.kron(sp.eye_array(sectors), rows @ rest)
+            recovered[key] = sp.csr_array((own + sp.kron(step, rows @ on)) @ turn.T)
+    if (moved := recovered.get("recovery")) is not None:
+        each = moved.toarray().reshape(sectors, -1, 3, moved.shape[1])
+        recovered["recovery"] = rotate(each, spread[:, None, None], axis=2).reshape(moved.shape)
     loads = {
         key: turn @ np.tile((rest + on).T @ load, sectors)
         for key in LOADS
@@ -438,9 +443,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
             if (matrix := getattr(part, key)) is not None
         },
         contact_dofs=dofs,
-        recovery=recovery,
-        strain_recovery=strains,
-        stress_recovery=stresses,
+        **recovered,
         **loads,
     )
 

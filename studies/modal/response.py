@@ -70,11 +70,10 @@ def response(
         over (speed, blade): complex `tip_tangential` and `tip_radial` [m]; over (speed, axis):
         complex `centre` [m], x and y in the rotating frame, if there is one. A tip with several
         contact nodes moves by their mean. Tips of a superelement with massless contact nodes have
-        the static displacement by the modes that are left out, if the forces act on them and not on
-        points. With several engine orders, `order` is
-        the first dimension. `speed` is in multiples of the reference frequency, with the coordinate
-        `rpm`. Over (peak, blade): complex `peak_tip_tangential` and `peak_tip_radial` [m], with the
-        coordinates peak_order, peak_speed and peak_rpm.
+        the static displacement by the modes that are left out. With several engine orders, `order`
+        is the first dimension. `speed` is in multiples of the reference frequency, with the
+        coordinate `rpm`. Over (peak, blade): complex `peak_tip_tangential` and `peak_tip_radial`
+        [m], with the coordinates peak_order, peak_speed and peak_rpm.
 
     Raises:
         CaseError: the case cannot be built at one of the speeds.
