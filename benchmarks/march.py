@@ -27,7 +27,7 @@ speed.
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -38,6 +38,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.solids.blade import mesh3d
@@ -175,25 +176,15 @@ STAGES = (22, 44, 88, 176)  # numbers of blades
 
 def blade_table(repeat: int) -> Table:
     """Return the times of a step of stages with more and more blades, without contact."""
-    table = Table(title=f"Blades, no contact, best of {repeat} interleaved timings")
-    for column in ("blades", "kernel [µs]", "ratio to half as many"):
-        table.add_column(column, justify="right")
+    table = columns(
+        f"Blades, no contact, best of {repeat} interleaved timings",
+        *("blades", "kernel [µs]", "ratio to half as many"),
+    )
     schemes = []
     for blades in STAGES:
         kept = f"reduction.fixed_interface_modes={5 * blades}"
-        changes = [f"bladed_disk.blades={blades}", kept]
-        problem = contact_problem(build_stage(read_case(EXAMPLES / "imbalance.toml", changes)))
-        scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
-        schemes.append((scheme, scheme.advance(scheme.init(), 100)[0]))
-    times = np.array(
-        [
-            [
-                microseconds(partial(scheme.advance, state), KERNEL_STEPS)
-                for scheme, state in schemes
-            ]
-            for _ in range(repeat)
-        ]
-    )
+        schemes.append(begun("imbalance", [f"bladed_disk.blades={blades}", kept]))
+    times = interleaved(schemes, repeat)
     ratios = np.median(times[:, 1:] / times[:, :-1], axis=0)
     for blades, best, ratio in zip(STAGES, times.min(axis=0), [np.nan, *ratios], strict=True):
         table.add_row(str(blades), f"{best:.2f}", "" if np.isnan(ratio) else f"{ratio:.2f}")
@@ -209,26 +200,15 @@ SPEEDS = {
 
 def speed_table(repeat: int) -> Table:
     """Return the times of a step with rotation effects at speeds that vary, without contact."""
-    table = Table(title=f"Speed, rotation effects, no contact, best of {repeat}")
-    for column in ("speed", "kernel [µs]", "ratio to constant"):
-        table.add_column(column, justify="left" if column == "speed" else "right")
-    schemes = []
-    for keys in SPEEDS.values():
-        changes = [
-            'excitation={type="imbalance",unbalance=0.02,ramp=0}',
-            f"march={{time_step=1e-6,duration=0.3,record_step=1e-4,{keys}}}",
-        ]
-        problem = contact_problem(build_stage(read_case(EXAMPLES / "spinning_fan.toml", changes)))
-        scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
-        schemes.append((scheme, scheme.advance(scheme.init(), 100)[0]))
-    times = np.array(
-        [
-            [
-                microseconds(partial(scheme.advance, state), KERNEL_STEPS)
-                for scheme, state in schemes
-            ]
-            for _ in range(repeat)
-        ]
+    table = columns(
+        f"Speed, rotation effects, no contact, best of {repeat}",
+        *("speed", "kernel [µs]", "ratio to constant"),
+        text="speed",
+    )
+    imbalance = 'excitation={type="imbalance",unbalance=0.02,ramp=0}'
+    march = "march={{time_step=1e-6,duration=0.3,record_step=1e-4,{}}}"
+    times = interleaved(
+        [begun("spinning_fan", [imbalance, march.format(keys)]) for keys in SPEEDS.values()], repeat
     )
     ratios = np.median(times / times[:, :1], axis=0)
     for name, best, ratio in zip(SPEEDS, times.min(axis=0), ratios, strict=True):
@@ -236,15 +216,23 @@ def speed_table(repeat: int) -> Table:
     return table
 
 
+def begun(example: str, changes: list[str]) -> Callable[[int], object]:
+    """Return a function that marches an example with changes from its state after 100 steps."""
+    problem = contact_problem(build_stage(read_case(EXAMPLES / f"{example}.toml", changes)))
+    scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
+    return partial(scheme.advance, scheme.advance(scheme.init(), 100)[0])
+
+
 def node_table(repeat: int) -> Table:
     """Return the times of a step of many contact nodes."""
-    table = Table(title=f"{BLADES} blades x {NODES} contact nodes in a ring, best of {repeat}")
-    for column in ("pressed", "contacts per step", "kernel [µs]", "true slip [µs]"):
-        table.add_column(column, justify="left" if column == "pressed" else "right")
+    table = columns(
+        f"{BLADES} blades x {NODES} contact nodes in a ring, best of {repeat}",
+        *("pressed", "contacts per step", "kernel [µs]", "true slip [µs]"),
+        text="pressed",
+    )
     for blades in PUSHED:
         both = pressed(blades, "permanent"), pressed(blades, "full")
-        times = [[microseconds(each.kernel, KERNEL_STEPS) for each in both] for _ in range(repeat)]
-        plain, full = np.min(times, axis=0)
+        plain, full = interleaved([each.kernel for each in both], repeat).min(axis=0)
         contacts = both[0].kernel(KERNEL_STEPS)
         table.add_row(both[0].name, f"{contacts:.2f}", f"{plain:.2f}", f"{full:.2f}")
     return table
@@ -285,19 +273,36 @@ def wheels(closing: float) -> list[Setting]:
 
 def turning_table(repeat: int) -> Table:
     """Return the times of a step of a wheel with rotation effects."""
-    table = Table(title=f"Wheel of sectors of solids, best of {repeat}")
-    for column in ("contacts per step", "effects", "kernel [µs]", "ratio"):
-        table.add_column(column, justify="left" if column == "effects" else "right")
+    table = columns(
+        f"Wheel of sectors of solids, best of {repeat}",
+        *("contacts per step", "effects", "kernel [µs]", "ratio"),
+        text="effects",
+    )
     for closing in (0.9e-4, 1.02e-4):
         every = wheels(closing)
-        times = np.array(
-            [[microseconds(one.kernel, KERNEL_STEPS) for one in every] for _ in range(repeat)]
-        )
+        times = interleaved([one.kernel for one in every], repeat)
         ratios = np.median(times / times[:, :1], axis=0)
         for one, best, ratio in zip(every, times.min(axis=0), ratios, strict=True):
             contacts = f"{one.kernel(KERNEL_STEPS):.2f}"
             table.add_row(contacts, one.name, f"{best:.2f}", f"{ratio:.2f}")
     return table
+
+
+def columns(title: str, *names: str, text: str = "") -> Table:
+    """Return an empty table of numbers, with one column of `text`."""
+    table = Table(title=title)
+    for name in names:
+        table.add_column(name, justify="left" if name == text else "right")
+    return table
+
+
+def interleaved(
+    marches: Sequence[Callable[[int], object]], repeat: int, steps: Sequence[int] | None = None
+) -> FloatArray:
+    """Return the processor times per step [µs] of functions that march a number of steps, which
+    are called in turn, (repeat, marches); `steps` are their numbers of steps."""
+    both = list(zip(marches, steps or [KERNEL_STEPS] * len(marches), strict=True))
+    return np.array([[microseconds(*each) for each in both] for _ in range(repeat)])
 
 
 def microseconds(work: Callable[[int], object], steps: int) -> float:
@@ -312,29 +317,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--repeat", type=int, default=100, help="number of timings of each program")
     repeat = parser.parse_args().repeat
-    table = Table(title=f"Contact march, best of {repeat} interleaved timings")
-    for column in (
+    table = columns(
+        f"Contact march, best of {repeat} interleaved timings",
         "state", "contacts per step", "contacts, full", "contacts, bent", "kernel [µs]",
         "full [µs]", "bent [µs]", "NumPy [µs]", "full / kernel", "bent / kernel", "NumPy / kernel",
         "kernel and NumPy differ by",
-    ):  # fmt: skip
-        table.add_column(column, justify="left" if column == "state" else "right")
-    for setting, turning, bent in settings():
+        text="state",
+    )  # fmt: skip
+    for alike in settings():
+        setting = alike[0]
         difference = setting.difference()
-        contacts = [each.kernel(KERNEL_STEPS) for each in (setting, turning, bent)]
+        contacts = [each.kernel(KERNEL_STEPS) for each in alike]
         plain, begin = setting.numpy()
-        numpy_march = partial(plain.advance, begin)
-        times = np.array(
-            [
-                (
-                    microseconds(setting.kernel, KERNEL_STEPS),
-                    microseconds(turning.kernel, KERNEL_STEPS),
-                    microseconds(bent.kernel, KERNEL_STEPS),
-                    microseconds(numpy_march, NUMPY_STEPS),
-                )
-                for _ in range(repeat)
-            ]
-        )
+        marches = [*(each.kernel for each in alike), partial(plain.advance, begin)]
+        times = interleaved(marches, repeat, [KERNEL_STEPS] * len(alike) + [NUMPY_STEPS])
         kernel, full, drawn, numpy = times.min(axis=0)
         table.add_row(
             setting.name, *(f"{number:.2f}" for number in contacts), f"{kernel:.2f}",
@@ -344,10 +340,8 @@ def main() -> None:
             f"{difference:.0e}",
         )  # fmt: skip
     Console(width=180).print(table)
-    Console(width=180).print(blade_table(repeat))
-    Console(width=180).print(node_table(repeat))
-    Console(width=180).print(turning_table(repeat))
-    Console(width=180).print(speed_table(repeat))
+    for further in (blade_table, node_table, turning_table, speed_table):
+        Console(width=180).print(further(repeat))
 
 
 if __name__ == "__main__":
