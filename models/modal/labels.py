@@ -10,7 +10,7 @@ gets the family with the largest share in this expansion. The mode gets the noda
 largest mass-weighted share in its motion; this share is called the purity of the mode.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -26,7 +26,6 @@ from bladewhirl.models.modal.modes import (
     align_phase,
     constrained_eigh,
     families,
-    natural_frequencies,
     structure_modes,
 )
 from bladewhirl.models.rotation.whirl_modes import WhirlModes
@@ -175,7 +174,7 @@ def families_at_speed(names: list[str], shares: FloatArray) -> list[str]:
 
 
 def _names(
-    structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
+    structure: Structure, modes: ModeTable, reference: tuple[int, int], body: Body
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the families of modes, and the families of the same branches at rest.
 
@@ -184,11 +183,20 @@ def _names(
     changes.
     """
     if structure.at_rest is None:
-        names = tuple(families(modes, body))
+        sectors = structure.layout.sectors if structure.layout else 0
+        names = tuple(families(modes, body, sectors))
         return names, names
     at_rest = labelled_modes(structure.at_rest, reference, body)
     if structure.layout is not None and not structure.at_rest.is_cyclic:
         at_rest = _tuned(structure.at_rest, reference, body)
+    return named_at_speed(modes, at_rest)
+
+
+def named_at_speed(
+    modes: ModeTable, at_rest: LabelledModes
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the families of modes at a speed, and the families of the same branches at rest, by
+    the ranks of the modes of each DFT column; see `families_at_speed`."""
     family, before = [""] * modes.count, [""] * modes.count
     for column in np.unique(modes.column).tolist():
         ranked = [at_rest.family[i] for i in np.flatnonzero(at_rest.column == column)]
@@ -199,17 +207,55 @@ def _names(
     return tuple(family), tuple(before)
 
 
+def modes_of_blocks(
+    blocks: Iterable[tuple[int, FloatArray, ComplexArray, FloatArray]],
+    sectors: int,
+) -> LabelledModes:
+    """Return the modes of all nodal diameters, ascending, without families and layout. Negative
+    squared frequencies give negative frequencies.
+
+    Args:
+        blocks: nodal diameter (-1 for modes without one), squared frequencies [rad2/s2], (m,),
+            amplitudes in one sector, (DoF, m), and share of the shaft springs in the strain energy,
+            (m,), for each block.
+        sectors: number of sectors.
+    """
+    squares, shares, columns, diameters, amplitudes = [], [], [], [], []
+    for k, square, vectors, share in blocks:
+        of_block = [NO_COLUMN]
+        if k != NO_COLUMN:
+            of_block = [2 * k - 1, 2 * k] if is_pair(k, sectors) else [0 if k == 0 else sectors - 1]
+        squares.append(np.repeat(square, len(of_block)))
+        shares.append(np.repeat(share, len(of_block)))
+        columns.append(np.tile(of_block, len(square)))
+        diameters.append(np.full(len(square) * len(of_block), k))
+        amplitudes += [vector for vector in vectors.T for _ in of_block]
+    order = np.argsort(np.concatenate(squares), kind="stable")
+    square, diameter = np.concatenate(squares)[order], np.concatenate(diameters)[order]
+    return LabelledModes(
+        frequency=np.sign(square) * np.sqrt(np.abs(square)),
+        column=np.concatenate(columns)[order],
+        nodal_diameter=diameter,
+        purity=np.where(diameter == NO_COLUMN, 0.0, 1.0),
+        spring_share=np.concatenate(shares)[order],
+        family=("",) * len(order),
+        amplitudes=tuple(amplitudes[i] for i in order),
+        layout=None,
+        size=len(order),
+    )
+
+
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
     """Return all modes of a cyclic structure, or of the tuned twin of another structure."""
     layout = structure.layout
     assert layout is not None  # both callers check this
-    squares, shares, columns, diameters, amplitudes = [], [], [], [], []
+
     matrices = (structure.mass, structure.stiffness, structure.springs, structure.elastic)
+    blocks = []
     for k, (mass, stiffness, springs, elastic) in layout.blocks(*matrices):
         constraints = layout.basis(k).conj().T @ structure.constraints
         square, vectors = constrained_eigh(stiffness, mass, constraints)
-        pair = is_pair(k, layout.sectors)
-        vectors = align_phase(vectors, reference, pair=pair)
+        vectors = align_phase(vectors, reference, pair=is_pair(k, layout.sectors))
         strain = square
         if structure.at_rest is not None:
             strain = np.einsum("im,im->m", vectors.conj(), elastic @ vectors).real
@@ -217,31 +263,12 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         held = vectors[rows]
         share = np.sum(held.conj() * (springs[np.ix_(rows, rows)] @ held), axis=0).real
         share /= np.maximum(np.maximum(share, np.abs(strain)), np.finfo(float).tiny)
-        block_columns = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
-        squares.append(np.repeat(square, len(block_columns)))
-        shares.append(np.repeat(share, len(block_columns)))
-        columns.append(np.tile(block_columns, len(square)))
-        diameters.append(np.full(len(square) * len(block_columns), k))
-        amplitudes += [vector for vector in vectors.T for _ in block_columns]
-    order = np.argsort(np.concatenate(squares), kind="stable")
-    modes = Modes(
-        frequency=natural_frequencies(structure, np.concatenate(squares)[order]),
-        shapes=np.zeros((0, len(order))),  # labels need no fields
-        column=np.concatenate(columns)[order],
-        nodal_diameter=np.concatenate(diameters)[order],
-        purity=np.ones(len(order)),
-        spring_share=np.concatenate(shares)[order],
-        sectors=layout.sectors,
-    )
-    family, at_rest = _names(structure, modes, reference, body)
-    return LabelledModes(
-        family=family,
-        at_rest=at_rest if structure.at_rest is not None else (),
-        amplitudes=tuple(amplitudes[i] for i in order),
-        layout=layout,
-        size=structure.size,
-        **modes.numbers(),
-    )
+        blocks.append((k, square, vectors, share))
+    found = replace(modes_of_blocks(blocks, layout.sectors), layout=layout, size=structure.size)
+    if structure.at_rest is None:  # negative squares are rounding errors
+        found = replace(found, frequency=np.maximum(found.frequency, 0.0))
+    family, at_rest = _names(structure, found, reference, body)
+    return replace(found, family=family, at_rest=() if structure.at_rest is None else at_rest)
 
 
 def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> tuple[str, ...]:

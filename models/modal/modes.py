@@ -265,8 +265,9 @@ def align_phase(vectors: ComplexArray, reference: tuple[int, int], *, pair: bool
     return np.asarray(vectors * (np.abs(pivot) / pivot))
 
 
-def families(modes: Modes, body: Literal["bladed-disk", "casing"]) -> list[str]:
-    """Return the family of each mode: "1F", "2F", ... by rank within its nodal diameter.
+def families(modes: ModeTable, body: Literal["bladed-disk", "casing"], sectors: int) -> list[str]:
+    """Return the family of each mode of a body of equal sectors, or of none (0): "1F", "2F", ... by
+    rank within its nodal diameter.
 
     On a bladed disk the pair with the largest share of strain energy in the shaft springs is called
     "suspension"; on a casing a mode that does not deform the wall is called "rigid". These modes
@@ -290,13 +291,13 @@ def families(modes: Modes, body: Literal["bladed-disk", "casing"]) -> list[str]:
         if labels[mode]:
             continue
         k = int(modes.nodal_diameter[mode])
-        multiplicity = 2 if is_pair(k, modes.sectors) else 1
+        multiplicity = 2 if is_pair(k, sectors) else 1
         labels[mode] = f"{ranked.get(k, 0) // multiplicity + 1}F"
         ranked[k] = ranked.get(k, 0) + 1
     return labels
 
 
-def suspension_pair(modes: Modes) -> IntArray:
+def suspension_pair(modes: ModeTable) -> IntArray:
     """Return the two modes of k = 1 with the largest share of strain energy in the shaft springs.
 
     Returns:

@@ -15,13 +15,12 @@ from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL
-from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.modal.labels import (
     LabelledModes,
-    families_at_speed,
     labelled_modes,
-    names_of,
+    modes_of_blocks,
+    named_at_speed,
     no_modes,
     wave_families,
 )
@@ -33,7 +32,7 @@ from bladewhirl.models.modal.modal_model import (
     PointShapes,
     ShaftBlock,
 )
-from bladewhirl.models.modal.modes import Modes, families, is_first_of_pair
+from bladewhirl.models.modal.modes import families, is_first_of_pair
 from bladewhirl.models.modal.tip_motion import tip_motion
 from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
@@ -325,20 +324,13 @@ class ModalSuperelement(ModalModel):
         modes of a wheel whose blades differ or are not known have none."""
         copies, softens = self._table.copies, self.case.rotation.effects != "none"
         at_rest = _collected(blocks, copies, 0.0)
-        table = Modes(shapes=np.zeros((0, at_rest.count)), sectors=copies, **at_rest.numbers())
         if UNKNOWN not in blocks or self._table.kind == "blade":
-            at_rest = replace(at_rest, family=tuple(families(table, "bladed-disk")))
+            at_rest = replace(at_rest, family=tuple(families(at_rest, "bladed-disk", copies)))
         if omega == 0.0 or not softens:
             return at_rest
         turning = _collected(blocks, copies, omega)
-        now, before, ranked = [""] * turning.count, [""] * turning.count, names_of(at_rest)
-        for column in np.unique(turning.column).tolist():
-            here = np.flatnonzero(turning.column == column)
-            of_rest = ranked[int(turning.nodal_diameter[here[0]])]
-            at_speed = families_at_speed(of_rest, turning.spring_share[here])
-            for mode, new, old in zip(here.tolist(), at_speed, of_rest, strict=True):
-                now[mode], before[mode] = new, old
-        return replace(turning, family=tuple(now), at_rest=tuple(before))
+        family, before = named_at_speed(turning, at_rest)
+        return replace(turning, family=family, at_rest=before)
 
     def _dominant(
         self, blocks: Blocks, amplitudes: Sequence[ComplexArray | FloatArray]
@@ -428,7 +420,7 @@ def _of_casing(stage: SuperelementStage) -> LabelledModes:
 
 def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:
     """Return the modes of all blocks without Coriolis forces, ascending, without families."""
-    squares, shares, columns, diameters, amplitudes = [], [], [], [], []
+    found = []
     for k, block in blocks.items():
         square, vectors = la.eigh(block.stiffness + block.change(omega))
         strained, held = (
@@ -436,24 +428,5 @@ def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:
             for matrix in (block.stiffness, block.springs)
         )
         share = held / np.maximum(np.maximum(held, np.abs(strained)), np.finfo(float).tiny)
-        of_block = [NO_COLUMN]
-        if k != UNKNOWN:
-            of_block = [2 * k - 1, 2 * k] if is_pair(k, sectors) else [0 if k == 0 else sectors - 1]
-        squares.append(np.repeat(square, len(of_block)))
-        shares.append(np.repeat(share, len(of_block)))
-        columns.append(np.tile(of_block, len(square)))
-        diameters.append(np.full(len(square) * len(of_block), k))
-        amplitudes += [vector for vector in vectors.T for _ in of_block]
-    order = np.argsort(np.concatenate(squares), kind="stable")
-    square = np.concatenate(squares)[order]
-    return LabelledModes(
-        frequency=np.sign(square) * np.sqrt(np.abs(square)),
-        column=np.concatenate(columns)[order],
-        nodal_diameter=np.concatenate(diameters)[order],
-        purity=np.where(np.concatenate(diameters)[order] == UNKNOWN, 0.0, 1.0),
-        spring_share=np.concatenate(shares)[order],
-        family=("",) * len(order),
-        amplitudes=tuple(amplitudes[i] for i in order),
-        layout=None,
-        size=len(order),
-    )
+        found.append((k, square, vectors, share))
+    return modes_of_blocks(found, sectors)
