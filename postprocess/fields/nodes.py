@@ -1,19 +1,17 @@
 """Motion of the contact nodes and the points of a superelement, and of the wall around it."""
 
-from collections.abc import Callable
 from os import PathLike
 
 import meshio
 import numpy as np
 import xarray as xr
-from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import of_blades
-from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError, combine, history
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.result import open_result, portions
 
@@ -124,20 +122,8 @@ def is_flexible(dataset: xr.Dataset) -> bool:
 
 def ring_displacement(dataset: xr.Dataset, records: IntArray) -> FloatArray:
     """Return radial and tangential displacements of the casing nodes [m], (records, nodes, 2)."""
-    shape = dataset["casing_shape"].values[:, ::2]
-    moved = dataset["casing_displacement"].isel(time=records).values
-    return np.asarray(np.einsum("nam,rm->rna", shape, moved))
-
-
-def wall_at(dataset: xr.Dataset, record: int) -> Callable[[FloatArray], FloatArray]:
-    """Return a function of the angle in the static frame [rad]: clearance plus radial displacement
-    of the casing at a record [m]."""
-    values = dataset["clearance"].values
-    if is_flexible(dataset):
-        values = values + ring_displacement(dataset, np.array([record]))[0, :, 0]
-    angle = np.append(dataset["wall_angle"].values, 2.0 * np.pi)
-    spline = CubicSpline(angle, np.append(values, values[0]), bc_type="periodic")
-    return lambda at: np.asarray(spline(np.mod(at, 2.0 * np.pi)))
+    moved = history(dataset, "casing_displacement", records)
+    return combine(moved, dataset["casing_shape"].values[:, ::2])
 
 
 def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:

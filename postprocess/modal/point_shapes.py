@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from scipy.spatial import KDTree
 
+from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.modal.labels import Body
@@ -157,8 +158,7 @@ def facing_triangles(points: FloatArray, triangles: IntArray) -> tuple[IntArray,
     view = np.append(np.cos(height) * directions(angle), np.sin(height))
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     facing = unit(np.cross(b - a, c - a)) @ view
-    near = np.round(points / (SAME * np.ptp(points)))  # faces of sectors have nodes at one place
-    place = np.unique(near, axis=0, return_inverse=True)[1].ravel()
+    place = places_of(points, SAME * np.ptp(points))  # faces of sectors have nodes at one place
     sides = place[triangles][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     there, back = (np.unique(one, axis=0) for one in (sides, sides[:, ::-1]))
     if len(there) < len(sides) or not np.array_equal(there, back):

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.plane import directions, unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
@@ -84,11 +85,14 @@ def hub_of(dataset: xr.Dataset, points: Array, least: float) -> Array | None:
     return tube(*(np.column_stack([r * circle, np.full(len(circle), z)]) for r, z in sides))
 
 
-def joined(points: Array, triangles: IntArray) -> IntArray:
-    """Return triangles whose points at one place are one point (triangle, 3)."""
-    near = np.round(points / (SAME * np.ptp(points)))
-    _, first, number = np.unique(near, axis=0, return_index=True, return_inverse=True)
-    return np.asarray(first[number.ravel()][triangles])
+def surface_of(points: Array, triangles: IntArray) -> pyvista.PolyData:
+    """Return a surface of triangles, whose points at one place are one point, with the number of
+    each point as `origin`."""
+    place = places_of(points, SAME * np.ptp(points))
+    first = np.unique(place, return_index=True)[1]
+    mesh = pyvista.PolyData.from_regular_faces(points, first[place][triangles])
+    mesh.point_data["origin"] = np.arange(len(points))
+    return mesh
 
 
 def smooth_parts(points: Array, triangles: IntArray) -> tuple[IntArray, IntArray]:
@@ -98,9 +102,7 @@ def smooth_parts(points: Array, triangles: IntArray) -> tuple[IntArray, IntArray
         points of each triangle (triangle, 3), counter-clockwise as seen from outside, where a point
         belongs to one smooth part; the original point of each of these points (point,).
     """
-    mesh = pyvista.PolyData.from_regular_faces(points, joined(points, triangles))
-    mesh.point_data["origin"] = np.arange(len(points))
-    parts = mesh.compute_normals(
+    parts = surface_of(points, triangles).compute_normals(
         cell_normals=False,
         split_vertices=True,
         feature_angle=SHARP,
@@ -153,13 +155,7 @@ def _cross(first: Array, second: Array) -> Array:
 def sharp_edges(points: Array, triangles: IntArray) -> IntArray:
     """Return the end points (edge, 2) of the edges at which a surface of triangles is bent, or
     ends. Points at one place count as one."""
-    triangles = joined(points, triangles)
-    a, b, c = np.moveaxis(points[triangles], 1, 0)
-    normal = unit(np.cross(b - a, c - a))
-    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, which, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
-    total = np.zeros((len(edges), 3))
-    np.add.at(total, which.ravel(), np.repeat(normal, 3, axis=0))
-    # Two unit normals with the cosine c between them have a sum of the squared length 2 + 2 c.
-    bent = np.sum(total**2, axis=1) < 2.0 + 2.0 * np.cos(np.radians(SHARP))
-    return np.asarray(edges[(count == 1) | ((count == 2) & bent)])
+    edges = surface_of(points, triangles).extract_feature_edges(
+        SHARP, non_manifold_edges=False, manifold_edges=False
+    )
+    return np.asarray(edges.point_data["origin"][edges.lines.reshape(-1, 3)[:, 1:]])
