@@ -80,7 +80,7 @@ def problem(
     loads: tuple[Load, ...] = (),
     speed: float = 0.0,
     friction: float = 0.0,
-    sliding: Literal["permanent", "signed"] = "permanent",
+    sliding: Literal["permanent", "signed", "full"] = "permanent",
     tip_rotation: bool = False,
     displacement_limit: float = FAR,
 ) -> ContactProblem:

@@ -74,7 +74,7 @@ def masses_on_springs(
     )
     change = SpeedChange(course=course, stiffening=-np.eye(modes), coriolis=coriolis)
     given = problem(rotor, wall(1e3), loads=loads, speed=base)
-    return ContactProblem(**{**vars(given), "change": change})
+    return replace(given, change=change)
 
 
 def inertial(

@@ -14,7 +14,6 @@ from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     ReducedCasing,
     ReducedRotor,
-    Start,
 )
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.superelement_stage import superelement_stage
@@ -22,9 +21,8 @@ from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.models.superelements.wheel import massless_wheel
-from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.bodies import marched, problem
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 
 GAP, FLEXIBILITY, OMEGA = 1e-3, 1e-6, 100.0
@@ -41,12 +39,6 @@ COATING = {
 """Abradable coating with arbitrary values."""
 
 
-def march_of_nodes(problem: ContactProblem, dt: float, duration: float, *, every: int) -> Chunk:
-    """March many contact nodes for a duration [s], with a record of every `every`-th step."""
-    scheme = CentralDifference(problem, dt, every)
-    return scheme.advance(scheme.init(), round(duration / dt) + 1)[1]
-
-
 @verifies()
 def rebound() -> Pairs:
     """March a mass of 1 kg on a spring that meets a wall through another spring at 1 m/s.
@@ -54,27 +46,19 @@ def rebound() -> Pairs:
     The impulse is compared with the closed-form solution, and the force at every step with the
     penetration divided by the flexibility.
     """
-    problem = ContactProblem(
-        rotor=ReducedRotor.of_copies(
-            frequency=np.array([[OMEGA]]),
-            damping_ratio=np.zeros((1, 1)),
-            contact=np.array([[1.0], [0.0], [0.0]]),
-            compliance=FLEXIBILITY * np.eye(3)[None],
-            angle=np.zeros((1, 1)),
-            radius=np.array([0.5]),
-            recess=np.zeros(1),
-            tip_radius=0.5,
-        ),
-        casing=ReducedCasing.rigid(np.column_stack([np.full(8, GAP), np.zeros(8)]), 0.5),
-        speed=0.0,
-        friction=0.0,
-        sliding="permanent",
-        tip_rotation=False,
-        displacement_limit=1.0,
-        loads=(),
-        start=Start.of_rotor(np.zeros(1), np.ones(1)),
+    rotor = ReducedRotor.of_copies(
+        frequency=np.array([[OMEGA]]),
+        damping_ratio=np.zeros((1, 1)),
+        contact=np.array([[1.0], [0.0], [0.0]]),
+        compliance=FLEXIBILITY * np.eye(3)[None],
+        angle=np.zeros((1, 1)),
+        radius=np.array([0.5]),
+        recess=np.zeros(1),
+        tip_radius=0.5,
     )
-    chunk = march_of_nodes(problem, 5e-6, 6e-3, every=1)
+    wall = ReducedCasing.rigid(np.column_stack([np.full(8, GAP), np.zeros(8)]), 0.5)
+    given = problem(rotor, wall, start={"rotor_velocity": np.ones(1)})
+    chunk = marched(given, 5e-6, 1200)
     rate = np.sqrt(OMEGA**2 + 1.0 / FLEXIBILITY)
     start = np.arcsin(GAP * OMEGA) / OMEGA
     centre, speed = GAP / FLEXIBILITY / rate**2, np.cos(OMEGA * start)
@@ -118,27 +102,20 @@ def rub(*, by_massless: bool, dt: float) -> Chunk:
     radius = float(part.contact_radius.max())
     slope = -2.4e-4 * np.sin(wave + np.pi) / radius
     wall = np.column_stack([1e-4 + 1.2e-4 * np.cos(wave + np.pi), slope])
-    problem = ContactProblem(
-        rotor=ReducedRotor.of_copies(
-            frequency=reduced.frequency[None],
-            damping_ratio=ratio[None],
-            contact=reduced.contact,
-            compliance=reduced.compliance[None] if by_massless else None,
-            angle=part.contact_angle[None],
-            radius=part.contact_radius,
-            recess=np.zeros(part.contacts),
-            tip_radius=radius,
-        ),
-        casing=ReducedCasing.rigid(wall, radius),
-        speed=SPEED,
-        friction=0.15,
-        sliding="full",
-        tip_rotation=False,
-        displacement_limit=0.05,
-        loads=(),
-        start=Start.of_rotor(*np.zeros((2, len(reduced.frequency)))),
+    rotor = ReducedRotor.of_copies(
+        frequency=reduced.frequency[None],
+        damping_ratio=ratio[None],
+        contact=reduced.contact,
+        compliance=reduced.compliance[None] if by_massless else None,
+        angle=part.contact_angle[None],
+        radius=part.contact_radius,
+        recess=np.zeros(part.contacts),
+        tip_radius=radius,
     )
-    return march_of_nodes(problem, dt, TURNS * 2.0 * np.pi / SPEED, every=1000)
+    casing = ReducedCasing.rigid(wall, radius)
+    law: dict[str, Any] = {"speed": SPEED, "friction": 0.15, "sliding": "full"}
+    given = problem(rotor, casing, **law, displacement_limit=0.05)
+    return marched(given, dt, round(TURNS * 2.0 * np.pi / SPEED / dt), every=1000)
 
 
 @verifies()
@@ -223,7 +200,7 @@ def exported(
     reduction: dict[str, Any] = {"fixed_interface_modes": kept}
     given = common | {"bladed_disk": beams, "shaft": shaft, "reduction": reduction}
     stage = build_stage(case_from(given))
-    problem = contact_problem(stage)
+    of_beams = contact_problem(stage)
     if kind == "blade":
         reduction = {"fixed_interface_modes": kept // blades}
     with TemporaryDirectory() as folder:
@@ -236,21 +213,21 @@ def exported(
             "damping": {"boundary_ratio": stage.case.damping.ratio},
             "reduction": reduction | {"boundary": "consistent"},
         }
-        same = superelement_stage(case_from(given)).problem_at(problem.speed)
+        same = superelement_stage(case_from(given)).problem_at(of_beams.speed)
     dt = stage.case.march.time_step
-    chunk = marched(problem, dt, round(0.05 / dt), every=250)
-    return problem, same, chunk, march_of_nodes(same, dt, 0.05, every=250)
+    chunk, nodes = (marched(one, dt, round(0.05 / dt), every=250) for one in (of_beams, same))
+    return of_beams, same, chunk, nodes
 
 
 @verifies("wheel", "sector", "blade")
 def exported_stage(kind: str) -> Pairs:
     """Compare all frequencies of a stage of beams, and the radial displacements of its tips, with
     those of its superelements."""
-    problem, same, beams, nodes = exported(kind)
-    tips = beams.rotor_displacement @ problem.rotor.tip_radial.T
+    of_beams, same, beams, nodes = exported(kind)
+    tips = beams.rotor_displacement @ of_beams.rotor.tip_radial.T
     return {
         "frequencies_of_an_exported_stage": (
-            np.sort(problem.rotor.frequency),
+            np.sort(of_beams.rotor.frequency),
             np.sort(same.rotor.frequency),
         ),
         "march_of_an_exported_stage": (tips, nodes.contact_displacement[:, :, 0]),
