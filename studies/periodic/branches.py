@@ -38,7 +38,7 @@ from bladewhirl.studies.periodic.branch_file import (
 )
 from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, check_periods, found_motion
 from bladewhirl.studies.periodic.origins import motion_of
-from bladewhirl.studies.runs.columns import Column, table
+from bladewhirl.studies.runs.columns import Column, rows_of, table
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.folder import CASE_NAME, case_files
 from bladewhirl.studies.sweeps.axes import NUMBER, OVER, check_key
@@ -53,13 +53,17 @@ FAILED = ("lost", "stopped")  #: first words of the attribute `ended` of an inco
 CLOSED = 12  #: number of points before a branch can return to its start
 
 COLUMNS = (
-    Column("kind", "bifurcation"),
+    Column("kind", "bifurcation", variable="kind_name"),
     Column("parameter", "value", ".6g"),
+    Column("speed_rad_s"),
     Column("speed_rpm", "[rpm]", ".1f"),
     Column("impulse_per_revolution", "impulse per revolution [N s]", ".5g"),
     Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+    Column("multipliers"),
+    Column("stable"),
+    Column("residual"),
 )
-"""Columns of the bifurcations."""
+"""Columns of the points of a branch; the bifurcations are printed."""
 
 
 @dataclass(frozen=True)
@@ -467,25 +471,16 @@ def _derived(data: xr.Dataset) -> xr.Dataset:
 
 def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of a branch."""
-    found = []
-    for n in range(data.sizes["point"]):
-        one = data.isel(point=n)
-        pairs = np.stack([one["multiplier_real"].values, one["multiplier_imaginary"].values], -1)
-        size = float(np.hypot(*pairs.T).max())
-        speed = float(one["speed_rad_s"])
-        found.append(
-            {
-                "parameter": float(one["parameter"]),
-                "speed_rad_s": speed,
-                "speed_rpm": speed * 30.0 / np.pi,
-                "impulse_per_revolution": float(one["impulse_per_revolution"]),
-                "largest_multiplier": size,
-                "multipliers": pairs.tolist(),
-                "stable": bool(one["stable"]),
-                "residual": float(one["residual"]),
-                "kind": KIND_NAMES[int(one["kind"])],
-            }
-        )
+    real, imaginary = (data[f"multiplier_{part}"].values for part in ("real", "imaginary"))
+    found = rows_of(
+        data.assign(
+            kind_name=("point", [KIND_NAMES[kind] for kind in data["kind"].values.tolist()]),
+            speed_rpm=data["speed_rad_s"] * 30.0 / np.pi,
+            largest_multiplier=("point", np.hypot(real, imaginary).max(axis=1)),
+            multipliers=(("point", "multiplier", "part"), np.stack([real, imaginary], axis=-1)),
+        ),
+        COLUMNS,
+    )
     special = [each for each in found if each["kind"] != "none"]
     ends = [{**found[n], "kind": name} for n, name in ((0, "(start)"), (-1, "(end)"))]
     names = ("key", "unit", "ended")

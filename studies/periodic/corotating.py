@@ -1,7 +1,6 @@
 """Contact that is constant in rotating axes, without time integration: Dataset, rows, figure."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,15 +18,18 @@ from bladewhirl.solvers.periodic.corotating import (
     obstacles,
 )
 from bladewhirl.studies.modal.study import Study
-from bladewhirl.studies.runs.columns import Column, quantity, table
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 
 COLUMNS = (
     Column("speed", "Ω / ω₁ [–]", ".4f"),
-    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("speed_rad_s"),
+    Column("speed_rpm", "[rpm]", ".1f", variable="rpm"),
     Column("impulse_per_revolution", "impulse per revolution [N s]", ".5g"),
     Column("largest_force", "largest normal force [N]", ".5g"),
     Column("tips", "tips in contact", "d"),
+    Column("normal_force"),
     Column("radius", "radius of the shaft [mm]", ".5f", 1e3),
+    Column("residual"),
 )
 """Columns of the solutions."""
 
@@ -105,25 +107,15 @@ def plot_corotating(data: xr.Dataset) -> Figure:
 def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
     """Return the document, table and figure of constant contact. Its stability is not computed:
     `multipliers` are empty and `stable` is null."""
-    rows: list[dict[str, Any]] = []
-    for n in range(data.sizes["speed"]):
-        one = data.isel(speed=n)
-        normal, gap = one["normal_force"].values, one["gap"].values
-        rows.append(
-            {
-                "speed": float(one["speed"]),
-                "speed_rad_s": float(one["rpm"]) * np.pi / 30.0,
-                "speed_rpm": float(one["rpm"]),
-                "impulse_per_revolution": float(one["impulse_per_revolution"]),
-                "largest_force": float(normal.max()),
-                "tips": int(np.count_nonzero(normal)),
-                "normal_force": normal.tolist(),
-                "radius": float(np.hypot(*one["centre"].values)),
-                "multipliers": [],
-                "stable": None,
-                "residual": float(np.abs(gap[normal > 0.0]).max() / np.abs(gap).max()),
-            }
-        )
+    normal, gap = data["normal_force"], abs(data["gap"])
+    shown = data.assign(
+        speed_rad_s=data["rpm"] * np.pi / 30.0,
+        largest_force=normal.max("tip"),
+        tips=(normal != 0.0).sum("tip"),
+        radius=np.hypot(data["centre"].sel(axis="x"), data["centre"].sel(axis="y")),
+        residual=gap.where(normal > 0.0).max("tip") / gap.max("tip"),
+    )
+    rows = [row | {"multipliers": [], "stable": None} for row in rows_of(shown, COLUMNS)]
     document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],
         "solutions": rows,

@@ -23,15 +23,17 @@ from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating, fine_stability
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
 from bladewhirl.studies.periodic.origins import motion_of
-from bladewhirl.studies.runs.columns import Column, quantity, table
+from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 
 HARMONICS = 32  #: number of harmonics in the Dataset, with the mean
 
 COLUMNS = (
     Column("speed", "Ω / ω₁ [–]", ".4f"),
-    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("speed_rad_s"),
+    Column("speed_rpm", "[rpm]", ".1f", variable="rpm"),
     Column("impulse_per_revolution", "impulse per revolution [N s]", ".5g"),
     Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+    Column("multipliers", variable="pairs"),
     Column("stable", "stable"),
     Column("instants", "instants", "d"),
     Column("residual", "residual", ".1e"),
@@ -281,23 +283,13 @@ def report(data: xr.Dataset) -> Study:
     real and imaginary part, the largest first."""
     if "normal_force" in data:
         return corotating.report(data, failures(data))
-    rows = []
-    for n in range(data.sizes["speed"]):
-        one = data.isel(speed=n)
-        multipliers = one["multipliers"].values
-        rows.append(
-            {
-                "speed": float(one["speed"]),
-                "speed_rad_s": float(one["rpm"]) * np.pi / 30.0,
-                "speed_rpm": float(one["rpm"]),
-                "impulse_per_revolution": float(one["impulse_per_revolution"]),
-                "largest_multiplier": float(np.abs(multipliers[0])),
-                "multipliers": np.stack([multipliers.real, multipliers.imag], axis=-1).tolist(),
-                "stable": bool(one["stable"]),
-                "residual": float(one["residual"]),
-                "instants": int(one["instants"]),
-            }
-        )
+    values = data["multipliers"].values
+    shown = data.assign(
+        speed_rad_s=data["rpm"] * np.pi / 30.0,
+        largest_multiplier=np.abs(data["multipliers"][:, 0]),
+        pairs=(("speed", "multiplier", "part"), np.stack([values.real, values.imag], axis=-1)),
+    )
+    rows = rows_of(shown, COLUMNS)
     document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],
         "solutions": rows,
