@@ -17,7 +17,7 @@ from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.modal.mode_shapes import COLUMNS, DRAWN, PURE, mode_title
+from bladewhirl.postprocess.modal.mode_shapes import DRAWN, PURE, mode_title
 from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, LIT, new_figure, styled
 
@@ -25,6 +25,8 @@ MOST = 20_000
 """Largest number of triangles of a picture; larger surfaces are drawn as points."""
 
 SAME = 1e-6  #: largest distance of nodes at one place, by the size of the surface
+COLUMNS = 3  #: largest number of panels side by side
+SHARE_OF_PITCH = 0.25  #: largest displacement that is drawn, by the distance of neighbouring tips
 ZOOM = 1.5  #: factor by which the panels of matplotlib in space are filled better
 ELEVATION, AZIMUTH = 55.0, -60.0  #: direction of the view [degrees]
 DARKEST = 0.5  #: share of the colour that a surface loses which is seen from its edge
@@ -35,7 +37,8 @@ LARGEST_DOT = 100.0  #: size of a drawn point times the root of the number of po
 
 
 def point_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
-    """Return the shapes of some modes of a bladed disk with points.
+    """Return the shapes of some modes of a bladed disk with points, and the number of `blades` that
+    the points belong to.
 
     Args:
         model: bladed disk whose `points` are not None.
@@ -59,7 +62,8 @@ def point_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
             {"units": "kg^-1/2", "long_name": "displacement for unit modal coordinates"},
         ),
     }
-    return xr.Dataset(values, attrs=_attributes(model))
+    copies, blades = len(shapes.stage.copy_angle), 1 + int(shapes.stage.blade.max())
+    return xr.Dataset(values, attrs=_attributes(model) | {"blades": 1 if copies > 1 else blades})
 
 
 def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
@@ -190,6 +194,8 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
     rest, triangles = data["point"].values, data["triangle"].values
     middle = 0.5 * (rest.max(axis=0) + rest.min(axis=0))
     reach = 0.5 * np.ptp(rest, axis=0).max()
+    pitch = 2.0 * np.pi / data.attrs["blades"] if data.attrs["blades"] > 1 else np.inf
+    largest = reach * min(DRAWN, SHARE_OF_PITCH * pitch)  # neighbours do not reach each other
     dot = np.clip(LARGEST_DOT / np.sqrt(len(rest)), 0.5, 6.0)
     colours, norm = matplotlib.colormaps[LIT], Normalize(0.0, 1.0)
     panels = []
@@ -200,7 +206,7 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         moved = row["point_shape"].values
         size = np.linalg.norm(moved, axis=1)
         share = size / size.max()
-        drawn = rest + DRAWN * reach / size.max() * moved
+        drawn = rest + largest / size.max() * moved
         if 0 < len(triangles) <= MOST:
             seen, facing = facing_triangles(drawn, triangles)
             pieces = _divided(np.column_stack([drawn, share])[seen])
@@ -220,9 +226,8 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         hertz = float(row["rotor_frequency"]) / (2.0 * np.pi)
         name = mode_title(str(row["rotor_family"].values), k, purity if k >= 0 else 1.0)
         share_of_k = f"\nk = {k}: {100 * purity:.0f} %" if 0 <= k and purity < PURE else ""
-        if does := str(row["rotor_tip_motion"].values):
-            name = f"{name}, {does}"
-        axes.set_title(f"{name}\n{hertz:.4g} Hz{share_of_k}".lstrip())
+        lines = [name, str(row["rotor_tip_motion"].values), f"{hertz:.4g} Hz{share_of_k}"]
+        axes.set_title("\n".join(filter(None, lines)))
     figure.colorbar(
         matplotlib.cm.ScalarMappable(norm, colours),
         ax=panels,

@@ -30,7 +30,7 @@ BAR_FOOT, BAR_STEP = 0.044, 0.0205  #: lower edge of the text of the scale bar, 
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
 LETTERS = 2.4  #: size of blade numbers in a sheet, relative to their size in a single picture
 KEY_STEP = 0.034
-KEY_LETTERS, TITLE_LETTERS = 27, 22
+KEY_LETTERS, TITLE_LETTERS = 27, 24
 ON_PLANE = ((0, 0), (0, 1))  #: padding of points (point, 2) with a zero third coordinate
 
 

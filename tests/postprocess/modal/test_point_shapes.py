@@ -55,7 +55,9 @@ def test_a_surface_is_coloured_by_displacement(tmp_path: Path) -> None:
     assert square * np.abs(inertia).max() > 1e5
     figure = plot_point_shapes(data)
     panels: Any = figure.axes[:2]
-    assert [axes.get_title().split(",")[0] for axes in panels] == ["1F", "2F"]
+    titles = [axes.get_title().splitlines() for axes in panels]
+    assert [title[0] for title in titles] == ["1F", "2F"]
+    assert [title[1] for title in titles] == data["rotor_tip_motion"].values.tolist()
     faces = next(each for each in panels[0].collections if isinstance(each, Poly3DCollection))
     assert len(data["triangle"]) == 10
     assert len(faces.get_facecolor()) == 10 * 4**4  # in pieces, for smooth colours
