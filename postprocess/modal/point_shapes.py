@@ -29,7 +29,7 @@ COLUMNS = 3  #: largest number of panels side by side
 SHARE_OF_PITCH = 0.25  #: largest displacement that is drawn, by the distance of neighbouring tips
 ZOOM = 1.5  #: factor by which the panels of matplotlib in space are filled better
 ELEVATION, AZIMUTH = 55.0, -60.0  #: direction of the view [degrees]
-DARKEST = 0.5  #: share of the colour that a surface loses which is seen from its edge
+DARKEST = 0.3  #: share of the colour that a surface loses which is seen from its edge
 
 SMOOTH = 8000  #: number of pieces up to which triangles are divided
 
@@ -174,7 +174,7 @@ def facing_triangles(points: FloatArray, triangles: IntArray) -> tuple[IntArray,
 
 def _divided(corners: FloatArray) -> FloatArray:
     """Return triangles divided into four until there are enough for smooth colours, those of a
-    triangle one after another; `corners` are places and a value, (triangle, 3, 4)."""
+    triangle one after another; `corners` are places and displacements, (triangle, 3, 6)."""
     while 0 < 4 * len(corners) <= SMOOTH:
         a, b, c = np.moveaxis(corners, 1, 0)
         d, e, f = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
@@ -209,11 +209,12 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         drawn = rest + largest / size.max() * moved
         if 0 < len(triangles) <= MOST:
             seen, facing = facing_triangles(drawn, triangles)
-            pieces = _divided(np.column_stack([drawn, share])[seen])
-            faces = colours(norm(pieces[..., 3].mean(axis=1)))
+            pieces = _divided(np.column_stack([drawn, moved / size.max()])[seen])
+            faces = colours(norm(np.linalg.norm(pieces[..., 3:].mean(axis=1), axis=1)))
             light = 1.0 - DARKEST * (1.0 - facing)
             faces[:, :3] *= np.repeat(light, len(pieces) // len(seen))[:, None]
             look = {"facecolors": faces, "edgecolors": faces, "linewidths": 0.2}  # without seams
+            look["clip_on"] = False  # a panel may be smaller than its body
             axes.add_collection3d(Poly3DCollection(pieces[..., :3], **look))
         else:
             axes.scatter(*drawn.T, c=colours(norm(share)), s=dot, linewidths=0.0, rasterized=True)
@@ -226,7 +227,11 @@ def plot_point_shapes(data: xr.Dataset, body: Body = "bladed-disk") -> Figure:
         hertz = float(row["rotor_frequency"]) / (2.0 * np.pi)
         name = mode_title(str(row["rotor_family"].values), k, purity if k >= 0 else 1.0)
         share_of_k = f"\nk = {k}: {100 * purity:.0f} %" if 0 <= k and purity < PURE else ""
-        lines = [name, str(row["rotor_tip_motion"].values), f"{hertz:.4g} Hz{share_of_k}"]
+        lines = [
+            name,
+            str(row["rotor_tip_motion"].values),
+            f"{hertz:#.4g}".rstrip(".") + f" Hz{share_of_k}",
+        ]
         axes.set_title("\n".join(filter(None, lines)))
     figure.colorbar(
         matplotlib.cm.ScalarMappable(norm, colours),

@@ -31,6 +31,8 @@ EDGE = 0.002  #: width of the light edge on both sides of strokes
 CONTACT_DISC = 0.014
 ARROW_WIDTH = 0.011
 LONGEST_ARROW = 0.17
+ROUND = (1.0, 1.2, 1.6, 2.0, 2.4, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
+"""Leading digits of the newtons that a metre of an arrow stands for."""
 SPRING, GROUND, STRUT = 0.0032, 0.0026, 0.011  #: widths of strokes
 MARGIN = 1.04
 EDGE_WIDTH = 1.5  #: width of the edges of surfaces [rendered points]
@@ -95,6 +97,17 @@ def speed_text(dataset: xr.Dataset) -> str:
     return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
 
 
+def metres_per_newton(largest: float, size: float) -> float:
+    """Return the length of the arrow of a force of 1 N [m/N], such that the arrow of the `largest`
+    force [N] has at most the share `LONGEST_ARROW` of the `size` of the picture [m], and a metre is
+    a round number of newtons; 0 without a force."""
+    if not largest:
+        return 0.0
+    newtons = largest / (LONGEST_ARROW * size)
+    steps = 10.0 ** np.floor(np.log10(newtons)) * np.array(ROUND)
+    return 1.0 / float(steps[np.searchsorted(steps, newtons)])
+
+
 def bar_text(length: float, enlarged: str, factor: float, metres_per_newton: float) -> str:
     """Return the lines next to a scale bar: its length [m], and the true size of the `enlarged`
     quantities and of the forces that are drawn as long as the bar.
@@ -107,9 +120,9 @@ def bar_text(length: float, enlarged: str, factor: float, metres_per_newton: flo
     """
     lines = [handy(length, "m", 4)]
     if factor != 1:
-        lines.append(f"of {enlarged}: {handy(length / factor, 'm', 3)}")
+        lines.append(f"{handy(length / factor, 'm', 3)} of {enlarged}")
     if metres_per_newton:
-        lines.append(f"of arrows: {handy(length / metres_per_newton, 'N', 3)}")
+        lines.append(f"{handy(length / metres_per_newton, 'N', 3)} of force")
     return "\n".join(lines)
 
 

@@ -47,9 +47,8 @@ class StageScene:
         stage, contact = drawing.reach()
         #: distance from the middle to the edge of the picture [m]
         self.size = max(stage, contact / (1 - look.LONGEST_ARROW))  # arrows end on the tips
-        force = drawing.largest_force
         marks = marks and drawing.around
-        self.metres_per_newton = look.LONGEST_ARROW * self.size / force if force else 0.0
+        self.metres_per_newton = look.metres_per_newton(drawing.largest_force, self.size)
         """Length of arrows."""
         first = drawing.picture(0)
         self._depth = DEPTH * self.size if len(first.surface.points) else 0.0

@@ -217,15 +217,15 @@ def _bar(drawing: Drawing, size: float) -> dict[str, Any]:
 
 def _metres_per_newton(drawing: Drawing, size: float) -> float:
     """Return the length of arrows."""
-    force = drawing.largest_force
-    return look.LONGEST_ARROW * size / look.MARGIN / force if force else 0.0
+    return look.metres_per_newton(drawing.largest_force, size / look.MARGIN)
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:
     """Return for each picture its time, the text about contact, and 1 for each contact node in
-    contact, else 0."""
+    contact, else 0; and the number of the picture with the largest force, which is shown first."""
     pictures = [drawing.picture(index) for index in range(len(drawing))]
     return {
+        "first": int(np.argmax([np.linalg.norm(picture.forces) for picture in pictures])),
         "times": [look.time_text(time, drawing.record_step) for time in drawing.times],
         "contact": [look.contact_text(picture.blade_forces) for picture in pictures],
         "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],

@@ -211,12 +211,11 @@ def _film(
         direction, _ = modes.modes.named_directions(stage.speed)
         numbers = np.array([number for number in numbers if direction[number] == wave][:1])
     purity, hertz = table.purity[numbers[0]], table.frequency[numbers[0]] / (2.0 * np.pi)
-    title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave, {hertz:.4g} Hz"
-    if mode.body == "casing":
-        title = f"casing {title}"
-    elif does := stage.tip_motions(modes)[numbers[0]]:
-        title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {does}, {wave} wave"
-        title += f", {hertz:.4g} Hz"
+    name = mode_title(mode.family, mode.nodal_diameter, purity)
+    on_casing = mode.body == "casing"
+    does = "" if on_casing else stage.tip_motions(modes)[numbers[0]]
+    title = ", ".join(filter(None, [name, does, f"{wave} wave", f"{hertz:.4g} Hz"]))
+    title = f"casing {title}" if on_casing else title
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem
     film = folder / f"{stem}.gif"
@@ -225,7 +224,8 @@ def _film(
         save_figures(folder, {f"{stem}-wave": (figure, motion)}, overwrite=overwrite)
     with writing(folder):
         claim(folder, [film.name], overwrite=overwrite)
-        render_animation(motion, film, np.arange(motion.sizes["time"]))
+        frame = "static" if on_casing else "rotating"
+        render_animation(motion, film, np.arange(motion.sizes["time"]), frame=frame)
         export_vtk(motion, folder / f"{stem}-vtk", frames=PICTURES, overwrite=overwrite)
 
 

@@ -38,6 +38,8 @@ def test_places_are_those_of_the_drawing(result: xr.Dataset, tmp_path: Path) -> 
     touching = [np.any(seen.forces, axis=1).astype(int).tolist() for seen in drawn]
     assert about["touching"] == touching
     assert any(map(any, touching))
+    largest = max(range(len(drawn)), key=lambda i: float(np.linalg.norm(drawn[i].forces)))
+    assert about["first"] == largest
 
 
 def test_shades_are_true_values(result: xr.Dataset, tmp_path: Path) -> None:
