@@ -20,10 +20,10 @@ from rich.table import Table
 
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.inputs.machine import cores
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import SweepPlan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Point, Work, march_point
-from bladewhirl.studies.sweeps.workers import cores
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 

@@ -1,7 +1,5 @@
 """Torques and powers on a rotor whose speed varies."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -11,6 +9,7 @@ from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import span_edges, span_starts
+from bladewhirl.postprocess.plotting.legends import entries_of
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
@@ -109,12 +108,8 @@ def plot_torques(data: xr.Dataset) -> Figure:
             values = data.get(f"{quantity}_{name}")
             if values is not None and values.any():
                 axes.plot(time, values.values, color=colour, label=words)
-    entries: dict[str, Any] = {}
-    for axes in panels[1:]:
-        handles, labels = axes.get_legend_handles_labels()
-        entries |= dict(zip(labels, handles, strict=True))
-    if entries:
-        figure.legend([*entries.values()], [*entries], loc="outside lower center", ncols=4)
+    if entries := entries_of(*panels[1:]):
+        figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=4)
     time_axis(*panels)
     head(figure, data)
     return figure

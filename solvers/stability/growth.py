@@ -8,7 +8,6 @@ with a single mode (k = 0, N/2), and modes with several nodal diameters, are sol
 coordinates.
 """
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -21,6 +20,7 @@ from scipy.optimize import linear_sum_assignment
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import CoupledEquations, companion
 from bladewhirl.models.coupling.springs import CouplingModes
+from bladewhirl.models.inputs.machine import cores
 
 UNSTABLE_GROWTH = 1e-6
 """A point is unstable if its growth rate exceeds this fraction of the speed of rotation."""
@@ -90,7 +90,7 @@ def growth_rate(
         return np.asarray(np.max([s.real.max(axis=-1) for s in spectra], axis=0))
 
     # Batched eigenvalues release the interpreter's lock, so threads use every core.
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(cores()) as pool:
         done = 0
         for values in pool.map(largest, speeds, kappas):
             growth.append(values)

@@ -6,7 +6,6 @@ sweep.
 """
 
 import multiprocessing
-import os
 import sys
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -15,6 +14,7 @@ from contextlib import contextmanager
 from itertools import chain, islice
 from types import ModuleType
 
+from bladewhirl.models.inputs.machine import cores
 from bladewhirl.studies.runs.interrupts import held_back, leave_with_parent
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
@@ -55,12 +55,6 @@ def ready(points: Iterator[Point | None], most: int) -> list[Point]:
             break
         chosen.append(point)
     return chosen
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    available = getattr(os, "sched_getaffinity", None)
-    return len(available(0)) if available else os.cpu_count() or 1
 
 
 def _in_flight(
