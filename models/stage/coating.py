@@ -74,8 +74,16 @@ def coating_faults(stage: Stage, rotor: ReducedRotor, casing: ReducedCasing) -> 
     if not step < longest:
         expected = f"less than {longest:.4g} s, the limit for the stiffness of casing.coating"
         yield case_fault(case, "march.time_step", expected)
-    if not abs(stage.speed) * step * stage.casing.mesh.radius < coating.arc:
-        most = int(2.0 * np.pi / (abs(stage.speed) * step))
+    yield from rod_faults(case, coating, stage.speed, stage.casing.mesh.radius)
+
+
+def rod_faults(
+    case: Case, coating: WallCoating | NodeCoating, speed: float, radius: float
+) -> Iterator[Fault]:
+    """Yield a fault if a tip or a contact node at a radius [m] passes a rod in each time step."""
+    step = case.march.time_step
+    if not abs(speed) * step * radius < coating.arc:
+        most = int(2.0 * np.pi / (abs(speed) * step))
         expected = f"at most {most} rods, so that a tip passes less than one rod in a time step"
         yield case_fault(case, "casing.coating.elements", expected)
 
@@ -165,20 +173,6 @@ def _worn(coating: Coating, around: float, footprint: FloatArray, *tracks: int) 
     if coating.profile is not None:
         strain += coating.profile.recess(rod_angles(rods)) / coating.thickness
     return strain
-
-
-def node_coating_faults(case: Case, coating: NodeCoating | None, speed: float) -> Iterator[Fault]:
-    """Yield a fault if a node passes a rod in each time step."""
-    if coating is None:
-        return
-    step = case.march.time_step
-    if not abs(speed) * step * coating.radius < coating.arc:
-        most = int(2.0 * np.pi / (abs(speed) * step))
-        expected = (
-            f"at most {most} rods, the elements of the coating,"
-            " so that a node passes less than one rod in a time step"
-        )
-        yield case_fault(case, "casing.coating.elements", expected)
 
 
 def spacing(places: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ from bladewhirl.models.rotation.critical_speeds import lowest_critical_speeds
 from bladewhirl.models.stage.blade_loss import loss_faults
 from bladewhirl.models.stage.blade_stiffness import TunedRotor, tuned_beams, tuned_sectors
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.coating import node_coating_faults, wall_coating
+from bladewhirl.models.stage.coating import rod_faults, wall_coating
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
 from bladewhirl.models.stage.forced import (
     EngineOrders,
@@ -235,8 +235,8 @@ class MarchedNodes(MarchedStage):
                 ' reduction.free_interface_modes, or reduction.boundary = "massless")'
             )
             yield case_fault(case, "march.time_step", f"{expected}{probable_cause(case)}")
-        else:
-            yield from node_coating_faults(case, self.coating, self.speed)
+        elif (layer := self.coating) is not None:
+            yield from rod_faults(case, layer, self.speed, layer.radius)
         yield from loss_faults(case)
 
     def hints(self) -> tuple[str, ...]:
