@@ -133,23 +133,16 @@ def behind(points: Array, surfaces: Iterable[Array], margin: float) -> NDArray[n
     """
     hidden = np.zeros(len(points), dtype=np.bool_)
     for corners in surfaces:
-        low, high = corners.min(axis=1), corners.max(axis=1)
-        for number, point in enumerate(points):
-            over = np.all((low[:, :2] <= point[:2]) & (point[:2] <= high[:, :2]), axis=1)
-            a, b, c = np.moveaxis(corners[over & (high[:, 2] > point[2] + margin)], 1, 0)
-            along, across, to = (b - a)[:, :2], (c - a)[:, :2], point[:2] - a[:, :2]
-            area = _cross(along, across)
-            area = np.where(area == 0.0, np.nan, area)  # seen from its edge
-            share, other = _cross(to, across) / area, _cross(along, to) / area
-            depth = a[:, 2] + share * (b - a)[:, 2] + other * (c - a)[:, 2]
-            inside = (share >= 0.0) & (other >= 0.0) & (share + other <= 1.0)
-            hidden[number] |= np.any(inside & (depth > point[2] + margin))
+        along, across = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        facing = corners[np.cross(along, across)[:, 2] != 0.0]  # others are seen from their edges
+        numbers = np.arange(3 * len(facing)).reshape(-1, 3)
+        mesh = pyvista.PolyData.from_regular_faces(facing.reshape(-1, 3), numbers)
+        top = facing[..., 2].max(initial=-np.inf)
+        for number, (x, y, depth) in enumerate(points):
+            if depth + margin < top:
+                _, met = mesh.ray_trace((x, y, depth + margin), (x, y, top + margin))
+                hidden[number] |= met.size > 0
     return hidden
-
-
-def _cross(first: Array, second: Array) -> Array:
-    """Return the products x1 y2 - y1 x2 of vectors in the plane (..., 2)."""
-    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
 
 def sharp_edges(points: Array, triangles: IntArray) -> IntArray:
