@@ -12,6 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import chain, islice
+from multiprocessing.context import BaseContext
 from types import ModuleType
 
 from bladewhirl.models.inputs.machine import cores
@@ -87,8 +88,7 @@ def _in_flight(
 def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool of worker processes; after an error or Ctrl-C, busy workers are killed."""
     others = set(multiprocessing.active_children())
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=leave_with_parent)
+    pool = ProcessPoolExecutor(workers, mp_context=_context(), initializer=leave_with_parent)
     try:
         yield pool
     except BaseException:
@@ -98,6 +98,16 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
         raise
     finally:
         pool.shutdown()
+
+
+def _context() -> BaseContext:
+    """Return the way in which workers start: on Linux they are copies of one process that has
+    imported what they need, which is not imported again for each worker and for each sweep."""
+    if sys.platform != "linux":
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([march_point.__module__])
+    return context
 
 
 @contextmanager
