@@ -32,6 +32,15 @@ class TunedRotor:
     blades: FloatArray  #: stiffness of each blade on the modes [1/s2], (blades, modes, modes)
     by_speed: FloatArray
     """Change of the stiffness on the modes with the square of the speed, (modes, modes)."""
+    damping_ratio: float  #: damping ratio of the modes of the stiffness `damped`
+    at_rest: FloatArray | None
+    """Stiffness at rest on the modes [1/s2], (modes, modes), if all modes have the damping of the
+    structure at rest; None if the modes at speed are damped."""
+
+    @property
+    def damped(self) -> FloatArray:
+        """Stiffness whose modes have modal damping [1/s2], (modes, modes)."""
+        return np.diag(self.disk.rotor.stiffness) if self.at_rest is None else self.at_rest
 
 
 def tuned_beams(stage: Stage, loads: EngineOrders, omega: float) -> TunedRotor:
@@ -39,16 +48,25 @@ def tuned_beams(stage: Stage, loads: EngineOrders, omega: float) -> TunedRotor:
     (disk,) = forced_beams(stage, loads, [omega])
     _, shapes = rotor_at(stage, omega)
     count = shapes.shape[1]
-    by_speed = np.zeros((count, count))
+    by_speed, at_rest = np.zeros((count, count)), None
     if stage.turning is not None:
         effects = stage.case.rotation.effects
+        if effects == "full":
+            at_rest = np.asarray(shapes.T @ (stage.turning.disk.structure.elastic @ shapes))
         twice, once = (
             stage.turning.matrices.at_speed(factor * omega, effects).stiffness
             for factor in (2.0, 1.0)
         )
         by_speed = np.asarray(shapes.T @ ((twice - once) @ shapes)) / (3.0 * omega**2)
     blades = np.array([shapes.T @ (own @ shapes) for own in stiffness_of_blades(stage.disk)])
-    return TunedRotor(omega=omega, disk=disk, blades=blades, by_speed=by_speed)
+    return TunedRotor(
+        omega=omega,
+        disk=disk,
+        blades=blades,
+        by_speed=by_speed,
+        damping_ratio=stage.case.damping.ratio,
+        at_rest=at_rest,
+    )
 
 
 def stiffness_of_blades(disk: BladedDiskModel) -> list[sp.csr_array]:
@@ -95,7 +113,18 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
         if reduced.stiffness_speed4 is not None:
             by_speed = by_speed + 2.0 * omega**2 * reduced.stiffness_speed4
     disk = forced_stage(own, loads, omega)
-    return TunedRotor(omega=omega, disk=disk, blades=blades, by_speed=by_speed)
+    at_rest = None
+    if own.damped_as_at_rest:
+        assert reduced.root is not None  # the rotation acts on the structure
+        at_rest = reduced.root @ reduced.root
+    return TunedRotor(
+        omega=omega,
+        disk=disk,
+        blades=blades,
+        by_speed=by_speed,
+        damping_ratio=own.case.damping.ratio,
+        at_rest=at_rest,
+    )
 
 
 def _with_blades(stage: SuperelementStage, omega: float) -> tuple[SuperelementStage, FloatArray]:

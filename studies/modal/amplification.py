@@ -3,11 +3,13 @@
 For each pattern the stiffness of the blades is projected on the modes of the tuned bladed disk at
 the speed of its largest amplitude, where the mistuned modes follow (Yang and Griffin 2001, J. Eng.
 Gas Turbines Power 123(4)). Near this speed the stiffness changes linearly with the square of the
-speed; a pattern then takes one eigenproblem and a few hundred evaluations of a sum over modes.
+speed; a pattern then takes one or two eigenproblems and a few hundred evaluations of a sum over
+modes, of which those near resonance are coupled by damping and by the change of the speed.
 """
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.machine import cores
 from bladewhirl.models.stage.blade_stiffness import TunedRotor, drawn_factors, without_mistuning
 from bladewhirl.models.stage.marched import Marchable, marched_stage
+from bladewhirl.models.superelements.reduction import root_of
 from bladewhirl.postprocess.modal.response import largest_in_period
 from bladewhirl.studies.modal.response import engine_orders, peak_rows, response
 from bladewhirl.studies.modal.study import Study
@@ -31,6 +34,16 @@ CONFIDENCE = 0.95  #: confidence of the bands of these percentiles
 
 WEAK = 0.02
 """Modes whose amplitude in resonance is below this fraction of the largest are not searched."""
+
+COUPLED = 0.1
+"""Modes whose dynamic stiffness without damping is below this fraction of the squared frequency of
+the forces are solved together, others one by one."""
+
+SWEEPS = 4
+"""Corrections of the amplitudes near the peak by what the modes that are not near resonance do to
+each other."""
+
+ROUNDING = 1e-12  #: Coriolis forces below this fraction of all forces by velocities count as zero
 
 NEAR = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
 """Speeds searched about the resonance of each mode, in half-power widths."""
@@ -80,8 +93,7 @@ def amplification(
 
     Raises:
         CaseError: the case cannot be built.
-        UserError: the case has no spread of the stiffness or no engine order, or its modes are
-            coupled by Coriolis forces or by a damping matrix.
+        UserError: the case has no spread of the stiffness or no engine order.
     """
     if draws < 1:
         raise UserError(f"response: draws {draws}: expected at least 1")
@@ -93,11 +105,10 @@ def amplification(
         raise UserError("response: draws: expected engine orders of 1 or more; order 0 is static")
     equal = response(stage, speeds=speeds)
     rows = [peaks[0] for peaks in peak_rows(equal).values()]
-    ends = float(equal["speed"][0]) * reference, float(equal["speed"][-1]) * reference
     found = []
     for number, row in enumerate(rows):
         tuned = stage.tuned_rotor(loads, row["speed"] * reference)
-        pattern = _Patterns(tuned, row["order"], ends)
+        pattern = _Patterns(tuned, row["order"], equal["speed"].values * reference)
         with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(cores()) as pool:
             for done, one in enumerate(pool.map(pattern.largest, factors - 1.0), 1):
                 found.append(one)
@@ -129,58 +140,126 @@ def amplification(
 
 
 class _Patterns:
-    """Amplitudes of the blades of a tuned rotor with other stiffness."""
+    """Amplitudes of the blades of a tuned rotor with other stiffness.
 
-    def __init__(self, tuned: TunedRotor, order: int, ends: tuple[float, float]) -> None:
-        rotor, disk = tuned.disk.rotor, tuned.disk
-        if rotor.by_velocity is not None or (len(rotor.dampers) and rotor.dampers.any()):
-            raise UserError(
-                'response: draws: expected modal damping only, with rotation.effects = "none" or'
-                ' "centrifugal", and no dampers and no matrices damping and gyroscopic'
-            )
-        self._tuned, self._order, self._ends = tuned, order, ends
-        self._ratio = rotor.damping_ratio
-        self._force = disk.forces[order]
+    About the speed o of the tuned peak, the modal amplitudes q of the engine order r at the speed w
+    obey
+
+        [H + (w^2 - o^2) M + i r w L + C^T Z C] q = F,       M = dK/d(w^2) - r^2 + i r G / o
+
+        H = K + sum_j d_j B_j - (r o)^2 + i r o G
+
+    with the stiffness K at o, that of the blades, B_j, the Coriolis forces G at o, which grow with
+    the speed, the losses L, and the dampers of the shaft, which act on a few displacements C q. The
+    unknowns are the amplitudes of the eigenvectors of H, which is Hermitian.
+    """
+
+    def __init__(self, tuned: TunedRotor, order: int, speeds: FloatArray) -> None:
+        """Prepare matrices.
+
+        Args:
+            tuned: equal blades at the speed of their largest amplitude.
+            order: engine order.
+            speeds: speeds between whose first and last the largest amplitude is sought [rad/s].
+        """
+        rotor, disk, w = tuned.disk.rotor, tuned.disk, order * tuned.omega
+        self._tuned, self._order, self._speeds = tuned, order, speeds
         means = np.eye(len(rotor.tip_radial)) if disk.tips is None else disk.tips
         self._rows = np.stack([means @ rotor.tip_tangential, means @ rotor.tip_radial])
         static = disk.static.get(order, np.zeros((1, 3 * len(rotor.tip_radial))))[0]
         self._static = np.stack([means @ static[1::3], means @ static[0::3]])
+        self._dampers = rotor.dampers[rotor.dampers.any(axis=1)]
+        self._impedance: Any = 1j * order * np.eye(len(self._dampers))
+        if rotor.circulation and len(self._dampers):  # of dampers in the static frame
+            self._impedance = self._impedance + np.array([[0.0, -1.0], [1.0, 0.0]])
+        self._loads = np.column_stack([disk.forces[order], self._dampers.T])
+        rates = replace(rotor, dampers=self._dampers[:0]).damping
+        skew, one = 0.5 * (rates - rates.T), np.eye(len(rates))
+        self._twice_ratio = 2.0 * tuned.damping_ratio
+        modal = self._twice_ratio * root_of(tuned.damped)
+        self._loss, skew = (
+            part * bool(np.abs(part).max() > ROUNDING * np.abs(rates).max())
+            for part in (rates - skew - modal, skew)
+        )
+        self._hermitian = np.diag(rotor.stiffness) - w**2 * one
+        self._by_square: Any = tuned.by_speed
+        if skew.any():
+            self._hermitian = self._hermitian + 1j * w * skew
+            self._by_square = tuned.by_speed + 1j * order / tuned.omega * skew
+        self._turned = bool(skew.any()) or tuned.at_rest is not None
+        self._coupled = self._turned or bool(self._by_square.any() or self._loss.any())
 
     def largest(self, change: FloatArray) -> tuple[float, int, float]:
         """Return the largest amplitude [m], its blade and its speed [rad/s] for relative changes of
         the stiffness of each blade, (blades,)."""
         tuned, order = self._tuned, self._order
-        stiffness = np.diag(tuned.disk.rotor.stiffness) + np.tensordot(change, tuned.blades, 1)
-        squares, shapes = np.linalg.eigh(stiffness)
-        slope = np.einsum("im,im->m", shapes, tuned.by_speed @ shapes)
-        rate = 2.0 * self._ratio * np.sqrt(np.maximum(squares, 0.0))
-        force, rows = shapes.T @ self._force, self._rows @ shapes
+        further = np.tensordot(change, tuned.blades, 1)
+        squares, shapes = np.linalg.eigh(tuned.damped + further)
+        roots = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+        loss: Any = self._twice_ratio * np.diag(roots)
+        growth = np.zeros(loss.shape)  # of the loss with the square of the speed
+        if tuned.at_rest is None and tuned.by_speed.any():
+            stiffer = shapes.T @ tuned.by_speed @ shapes / (roots[:, None] + roots)
+            growth = self._twice_ratio * stiffer
+        values = squares - (order * tuned.omega) ** 2
+        if self._turned:
+            values, vectors = np.linalg.eigh(self._hermitian + further)
+            turn, shapes = vectors.conj().T @ shapes, vectors
+            loss, growth = (turn @ each @ turn.conj().T for each in (loss, growth))
+        back, by_square = shapes.conj().T, np.diag(np.full(len(values), -(float(order) ** 2)))
+        if self._coupled:
+            by_square = by_square + back @ self._by_square @ shapes
+            loss = loss + back @ self._loss @ shapes
+        loads, rows, dampers = back @ self._loads, self._rows @ shapes, self._dampers @ shapes
 
-        def tips(omega: FloatArray) -> FloatArray:
-            w = order * omega[:, None]
-            dynamic = (
-                squares + (omega[:, None] ** 2 - tuned.omega**2) * slope - w**2 + 1j * w * rate
-            )
-            moved: ComplexArray = (force / dynamic) @ rows.transpose(0, 2, 1)
-            moved = moved + self._static[:, None]
-            return np.asarray(largest_in_period(*moved))
+        def tips(omega: float, sweeps: int = 0) -> FloatArray:
+            w, step = order * omega, omega**2 - tuned.omega**2
+            parts = (step, by_square), (1j * w, loss), (1j * w * step, growth)
+            alone = values + sum(factor * np.diag(part) for factor, part in parts)
+            near = np.flatnonzero((np.abs(alone) < COUPLED * w**2) & self._coupled)
+            among = np.ix_(near, near)
+            system = np.diag(values[near]) + sum(factor * part[among] for factor, part in parts)
 
-        met = (squares - tuned.omega**2 * slope) / (order**2 - slope)
-        reached = np.abs(force) * np.abs(rows).max(axis=(0, 1)) / np.maximum(rate, 1e-300)
-        reached = reached / np.sqrt(np.maximum(squares, 1e-300))
-        low, high = self._ends
+            def estimated(pushes: ComplexArray) -> ComplexArray:
+                answer = pushes / alone[:, None]
+                answer[near] = np.linalg.solve(system, pushes[near])
+                return answer
+
+            answer = estimated(loads)
+            size = np.abs(answer).max()
+            for _ in range(sweeps * self._coupled):
+                known = sum(factor * (part @ answer) for factor, part in parts)
+                correction = estimated(loads - values[:, None] * answer - known)
+                before, size = size, np.abs(correction).max()
+                if size > 0.5 * before:  # far from the tuned peak corrections may diverge
+                    break
+                answer += correction
+            moved, by_dampers = answer[:, 0], answer[:, 1:]
+            pushed = omega * self._impedance
+            held = np.eye(len(pushed)) + pushed @ dampers @ by_dampers
+            moved = moved - by_dampers @ np.linalg.solve(held, pushed @ (dampers @ moved))
+            return np.asarray(largest_in_period(*(rows @ moved + self._static)))
+
+        slope = np.diag(by_square).real
+        lost = np.diag(loss).real + (np.abs(dampers) ** 2).sum(axis=0)
+        met = tuned.omega**2 - values / slope
+        rate = np.maximum(np.abs(order * tuned.omega * lost), np.finfo(float).tiny)
+        reached = np.abs(loads[:, 0]) * np.abs(rows).max(axis=(0, 1)) / rate
+        low, high = self._speeds[[0, -1]]
         close = (met > low**2) & (met < high**2)
         chosen = close & (reached > WEAK * reached[close].max(initial=0.0))
-        at = np.sqrt(met[chosen])
-        width = rate[chosen] / order
-        speeds = np.clip([tuned.omega, *(at[:, None] + width[:, None] * NEAR).ravel()], low, high)
+        at, width = np.sqrt(met[chosen]), np.abs(order * lost / slope)[chosen]
+        sought = [tuned.omega, *(at[:, None] + width[:, None] * NEAR).ravel()]
         step = 0.5 * float(width.min(initial=high - low))
-        best = speeds[int(tips(speeds).max(axis=1).argmax())]
-        for _ in range(REFINEMENTS):
+        if len(dampers):  # they can hold the centre, and so move resonances far
+            sought, step = [*sought, *self._speeds], max(step, np.diff(self._speeds).max())
+        best = max(np.clip(sought, low, high).tolist(), key=lambda omega: tips(omega).max())
+        for done in range(REFINEMENTS):
             step /= FINER
-            near = np.clip(best + step * np.arange(-FINER, FINER + 1.0), low, high)
-            best = near[int(tips(near).max(axis=1).argmax())]
-        amplitudes = tips(np.array([best]))[0]
+            finer = np.clip(best + step * np.arange(-FINER, FINER + 1.0), low, high).tolist()
+            sweeps = SWEEPS if done >= REFINEMENTS // 2 else 0
+            best = max(finer, key=lambda omega: tips(omega, sweeps).max())
+        amplitudes = tips(best, SWEEPS)
         return float(amplitudes.max()), int(amplitudes.argmax()), float(best)
 
 

@@ -34,22 +34,77 @@ def spread(seed: int = 4) -> dict[str, Any]:
     return {"bladed_disk.mistuning": {"stiffness_spread": 0.02, "seed": seed}}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("effects", ["none", pytest.param("centrifugal", marks=pytest.mark.slow)])
-def test_patterns_of_beams_have_the_amplification_of_their_responses(effects: str) -> None:
-    tuned = beams("sector", excitation=LOAD, damping={"ratio": 2e-3}, rotation={"effects": effects})
-    case, speeds = bw.with_values(tuned, spread()), np.linspace(0.4, 0.7, 61).tolist()
+DAMPED = {"stiffness": 2e7, "damping": 2e4}
+
+
+@pytest.mark.parametrize(
+    ("effects", "shaft"),
+    [
+        ("none", None),
+        pytest.param("centrifugal", None, marks=pytest.mark.slow),
+        ("full", None),
+        ("none", DAMPED),
+        pytest.param("full", DAMPED, marks=pytest.mark.slow),
+        pytest.param("full", DAMPED | {"damping_frame": "static"}, marks=pytest.mark.slow),
+    ],
+)
+def test_patterns_of_beams_have_the_amplification_of_their_responses(
+    effects: str, shaft: dict[str, Any] | None
+) -> None:
+    """With all modes, at any speed near the tuned peak; order 1 moves a shaft with dampers."""
+    given: dict[str, Any] = {"damping": {"ratio": 2e-3}, "rotation": {"effects": effects}}
+    given |= {"reduction": {}}  # all modes
+    if shaft is None:
+        tuned, ends = beams("sector", excitation=LOAD, **given), (0.4, 0.7, 7)
+    else:
+        tuned = beams("wheel", excitation=LOAD | {"order": 1}, shaft=shaft, **given)
+        ends = (0.4, 1.3, 31)
+    case, speeds = bw.with_values(tuned, spread()), np.linspace(*ends).tolist()
     data = bw.amplification(case, draws=5, speeds=speeds)
-    for draw in (0, 3):  # the ten fixed-interface modes are those of equal blades
-        expected = directly(case, draw, speeds, tuned)
-        assert data["amplification"].values[0, draw] == pytest.approx(expected, rel=3e-3)
-    assert (data["amplification"] < data.attrs["whitehead_bound"]).all()
-    assert np.ptp(data["amplification"].values) > 0.05
+    compared = range(1 if effects == "full" and shaft is None else 5)  # others are slow
+    expected = [directly(case, draw, speeds, tuned) for draw in compared]
+    found = data["amplification"].values[0]
+    assert found[: len(expected)] == pytest.approx(expected, rel=1e-4)
+    assert np.ptp(found) > 0.05
+    if shaft is None:
+        assert (data["amplification"] < data.attrs["whitehead_bound"]).all()
 
 
-@pytest.mark.slow
-def test_patterns_of_sectors_have_the_amplification_of_their_responses(tmp_path: Path) -> None:
-    part = bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2, blade="r > 0.0899")
+def test_patterns_of_an_exported_sector_have_the_amplification_of_their_responses(
+    tmp_path: Path,
+) -> None:
+    tuned = exported(
+        beams("sector"),
+        "sector",
+        tmp_path,
+        excitation=LOAD,
+        damping={"ratio": 2e-3},
+        reduction={"free_interface_modes": 6},
+    )
+    case, speeds = bw.with_values(tuned, spread()), np.linspace(0.4, 0.7, 16).tolist()
+    data = bw.amplification(case, draws=5, speeds=speeds)
+    expected = [directly(case, draw, speeds, tuned) for draw in range(5)]
+    assert data["amplification"].values[0] == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("effects", "order", "ends"),
+    [
+        ("none", 2, (0.45, 0.55, 41)),
+        pytest.param("full", 3, (0.48, 0.56, 5), marks=pytest.mark.slow),
+    ],
+)
+def test_patterns_of_sectors_have_the_amplification_of_their_responses(
+    effects: str, order: int, ends: tuple[float, float, int], tmp_path: Path
+) -> None:
+    part = bw.mesh3d(
+        bladed_sector("hexahedron"),
+        **STEEL,
+        **TIE,
+        contacts=2,
+        blade="r > 0.0899",
+        coriolis=effects == "full",
+    )
     bw.write_superelement(tmp_path / "part.npz", part)
     table = {"file": str(tmp_path / "part.npz"), "kind": "sector", "copies": SECTORS}
     tuned = bw.case_from(
@@ -58,11 +113,12 @@ def test_patterns_of_sectors_have_the_amplification_of_their_responses(tmp_path:
             "casing": {"type": "rigid"},
             "shaft": {"clamped": True},
             "damping": {"ratio": 2e-3},
-            "excitation": LOAD,
+            "excitation": LOAD | {"order": order},
+            "rotation": {"effects": effects},
             "reduction": {"free_interface_modes": 8},
         }
     )
-    case, speeds = bw.with_values(tuned, spread()), np.linspace(0.45, 0.55, 41).tolist()
+    case, speeds = bw.with_values(tuned, spread()), np.linspace(*ends).tolist()
     data = bw.amplification(case, draws=3, speeds=speeds)
     for draw in range(2):  # the tuned modes leave an error of 3e-5 in frequencies
         expected = directly(case, draw, speeds, tuned)
@@ -108,7 +164,6 @@ def test_the_command_prints_percentiles(tmp_path: Path) -> None:
     ("changes", "message"),
     [
         ({}, "expected bladed_disk.mistuning.stiffness_spread"),
-        (spread() | {"rotation.effects": "full"}, "expected modal damping only"),
         (spread() | {"excitation.order": [0, 2]}, "expected engine orders of 1 or more"),
     ],
 )
