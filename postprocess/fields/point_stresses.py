@@ -103,9 +103,10 @@ class PointStresses:
         return max(1, int(most_bytes / each))
 
 
-def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArray, Array]:
+def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArray, Array, Array]:
     """Return the points of a result that have a number in the file, and the strain in a direction
-    at each of them for unit modal coordinates [kg^-1/2/m], (points, modes).
+    at each of them for unit modal coordinates [kg^-1/2/m], (points, modes), and by unit contact
+    forces on the copy without their part in the modes [1/N], (points, 3 * nodes of a copy).
 
     The strain follows from the stress s by the law of Hooke, ((1 + nu) n s n - nu tr s) / E for the
     unit vector n.
@@ -127,7 +128,11 @@ def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArr
     places = np.flatnonzero(number == point)
     if not len(places):
         raise ViewError(f"expected a point of the file, from 0 to {number.max()}")
-    stress = dataset["stress_shape"].values[places]
+    shape, by_force = dataset["stress_shape"].values[places], dataset["stress_by_force"].values
+    sector, place = np.divmod(places, by_force.shape[1])
+    distance = (sector[:, None] - np.arange(len(by_force))) % len(by_force)
+    pushed = np.moveaxis(by_force[distance, place[:, None]], 1, 2)
+    stress = np.concatenate([shape, pushed.reshape(*shape.shape[:2], -1)], axis=2)
     unit = direction / np.linalg.norm(direction)
     twice = np.where(np.arange(6) < 3, 1.0, 2.0)  # shear stresses count twice
     along = twice * unit[PRODUCTS[0]] * unit[PRODUCTS[1]]
@@ -135,4 +140,5 @@ def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArr
     modulus = dataset["point_young_modulus"].values[places, None]
     trace = stress[:, :3].sum(axis=1)
     strain = (1.0 + ratio) * np.einsum("c,pcm->pm", along, stress) - ratio * trace
-    return places, np.asarray(strain / modulus)
+    modal, by_force = np.split(strain / modulus, [shape.shape[2]], axis=1)
+    return places, modal, by_force

@@ -5,13 +5,14 @@ velocities of both records. For a vibration with the angular frequency w and the
 largest errors, divided by the amplitude of the same quantity, are (w h)^4 / 384 for a displacement,
 (w h)^3 / (72 sqrt(3)) for a velocity and (w h)^2 / 12 for an acceleration. Displacements and
 velocities are exact at the records. A contact changes the velocity between two records; the cubic
-spreads this change over the record step.
+spreads this change over the record step. What contact forces strain besides the motion of the modes
+is linear between the records.
 """
 
 import tomllib
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -34,7 +35,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError,
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.nodes import point_blades
 from bladewhirl.postprocess.fields.point_stresses import gauge_row
-from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.strains import surface_strain_rows
 from bladewhirl.postprocess.fields.windows import in_window
 from bladewhirl.postprocess.run.histories import COMPONENTS
@@ -179,9 +180,17 @@ def signals(
     return xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
 
 
-def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
-    """Return the strain under a gauge for unit modal coordinates, (blade, rotor_mode), of all
-    blades or of the blade with the gauge.
+class GaugeRows(NamedTuple):
+    """Strain under a gauge on all blades, or on the blade with the gauge."""
+
+    modal: Array  #: for unit modal coordinates [kg^-1/2/m], (blade, rotor_mode)
+    by_force: Array | None = None
+    """By unit contact forces, without their part in the modes [1/N], (blade, 3 * contact nodes);
+    None if the modes have all of the strain."""
+
+
+def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
+    """Return the strain under a gauge.
 
     Raises:
         ViewError: the stage has no such gauges, the blade is not a chain of beams, or it does not
@@ -189,7 +198,7 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
     """
     blades = range(blade_count(dataset)) if gauge.blade == "all" else [gauge.blade]
     if gauge.gauge is not None:
-        return _recovered_rows(dataset, gauge.gauge)[[*blades]]
+        return GaugeRows(_recovered_rows(dataset, gauge.gauge)[[*blades]])
     if gauge.point is not None:
         return _point_rows(dataset, gauge)
     if "rotor_line" not in dataset:
@@ -209,7 +218,7 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
         places.append(x)
         outwards.append(chain.outward[number])
     left = np.array(outwards) == (gauge.side == "+theta")
-    return surface_strain_rows(dataset, np.array(lines), np.array(places), left)
+    return GaugeRows(surface_strain_rows(dataset, np.array(lines), np.array(places), left))
 
 
 def _recovered_rows(dataset: xr.Dataset, number: int) -> Array:
@@ -228,14 +237,14 @@ def _recovered_rows(dataset: xr.Dataset, number: int) -> Array:
     return np.asarray(np.kron(np.eye(copies), own))
 
 
-def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
-    """Return the strain of a gauge at a point, on every blade or on that of the gauge, for unit
-    modal coordinates, (blade, rotor_mode)."""
+def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
+    """Return the strain of a gauge at a point, on every blade or on that of the gauge."""
     assert gauge.point is not None
     assert gauge.direction is not None
-    places, rows = gauge_row(dataset, gauge.point, np.array(gauge.direction))
+    places, rows, pushed = gauge_row(dataset, gauge.point, np.array(gauge.direction))
     points, copies = dataset.sizes["point"], dataset.sizes["copy"]
     modal = np.kron(np.eye(copies), rows)  # a mistuned blade has the modes of the file
+    by_force = np.kron(np.diag(1.0 / dataset["copy_stiffness"].values), pushed)
     of_blades = point_blades(dataset)[(places + points * np.arange(copies)[:, None]).ravel()]
     wanted = np.arange(blade_count(dataset)) if gauge.blade == "all" else np.array([gauge.blade])
     if not np.isin(wanted, of_blades).all():
@@ -243,7 +252,8 @@ def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> Array:
             f"expected a point of each blade with a gauge; point {gauge.point} is on blade"
             f" {', '.join(map(str, of_blades))} of a whole wheel: give blade"
         )
-    return np.asarray(modal[[int(np.flatnonzero(of_blades == blade)[0]) for blade in wanted]])
+    chosen = [int(np.flatnonzero(of_blades == blade)[0]) for blade in wanted]
+    return GaugeRows(np.asarray(modal[chosen]), np.asarray(by_force[chosen]))
 
 
 def shown_unit(signal: xr.DataArray) -> tuple[str, float]:
@@ -264,11 +274,14 @@ def _signal(
     coordinates: dict[str, Any] = {over: at}
     match sensor:
         case StrainGauge():
-            unit, values = "m/m", _between(result, "rotor", gauge_rows(result, sensor), at)
+            unit, rows = "m/m", gauge_rows(result, sensor)
+            values = _between(result, "rotor", rows.modal, at)
+            if rows.by_force is not None:
+                values = values + _by_contact(result, rows.by_force, at)
         case WallSensor():
             unit, derivative = _motion(sensor.quantity)
-            rows = casing_rows(result, np.array([sensor.angle]))
-            row = rows[:, COMPONENTS.index(sensor.direction)]
+            every = casing_rows(result, np.array([sensor.angle]))
+            row = every[:, COMPONENTS.index(sensor.direction)]
             values = _between(result, "casing", row, at, derivative)
         case CentreSensor():
             unit, derivative = _motion(sensor.quantity)
@@ -360,6 +373,23 @@ def _between(
     cubic = weights[0] * values[record] + weights[2] * values[record + 1]
     cubic += step * (weights[1] * rates[record] + weights[3] * rates[record + 1])
     return np.asarray(cubic / step**derivative)
+
+
+def _by_contact(result: xr.Dataset, rows: Array, at: Array) -> Array:
+    """Return weighted sums of the contact forces at times, which vary linearly between the records,
+    (at, row).
+
+    Args:
+        result: a result.
+        rows: weights of the forces on the contact nodes, (row, 3 * contact nodes).
+        at: times [s], (at,).
+    """
+    force = result.variables["contact_force"]
+    sums = [
+        force[portion].values.reshape(-1, rows.shape[1]) @ rows.T for portion in portions(result)
+    ]
+    time = result["time"].values
+    return np.stack([np.interp(at, time, one) for one in np.concatenate(sums).T], axis=1)
 
 
 def _centre(result: xr.Dataset, angle: float, at: Array, derivative: int) -> Array:
