@@ -77,6 +77,9 @@ class StageArrays:
     gauge_shape: FloatArray = absent()
     """Strain of each gauge for unit modal coordinates of a copy [kg^-1/2/m], (gauges, modes of a
     copy), listed blade by blade."""
+    gauge_by_force: FloatArray = absent()
+    """Strain by unit contact forces on the same copy, without their part in the modes [1/N],
+    (copies, distances, gauges of a sector, contact nodes of a sector, 3), see `stress_by_force`."""
     point_number: IntArray = absent()  #: number of each point in its file, (points,)
     stress_shape: FloatArray = absent()
     """Stress at each point for unit modal coordinates of a copy as stiff as the file [Pa

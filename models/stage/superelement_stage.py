@@ -349,6 +349,8 @@ class SuperelementStage:
         modes = len(self.reduced.frequency)
         shapes = rotate(self.reduced.points.reshape(len(points), 3, modes), turn, axis=1)
         within = np.bincount(self.blade)[0]
+        by_force = self.reduced.strains_by_force
+        strained = by_force.reshape(*by_force.shape[:2], by_force.shape[2] // 3, 3)
         centre = dict[str, Any]()
         if part.centre_dofs is not None:
             centre = {"centre_shape": centre_rows(self.reduced, turn)}
@@ -367,6 +369,7 @@ class SuperelementStage:
             **centre,
             copy_angle=np.asarray(2.0 * np.pi / copies * np.arange(copies), dtype=np.float64),
             gauge_shape=self.reduced.strains,
+            gauge_by_force=np.multiply.outer(1.0 / self.factor, strained),
             **self._stresses(),
             point=points,
             point_shape=shapes,

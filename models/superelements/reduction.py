@@ -83,9 +83,12 @@ class ReducedSuperelement:
     displacements by unit contact forces without their part in the modes [m/N], (rows, 3c); it is
     also what unit forces along the rows do to the contact nodes. Zero with a consistent boundary.
     """
-    strains: FloatArray = absent()
+    strains: FloatArray
     """Strains of gauges for unit modal coordinates [kg^-1/2/m], (gauges, modes), if the file gives
     their recovery."""
+    strains_by_force: FloatArray
+    """Strains by unit contact forces without their part in the modes [1/N], as
+    `ReducedStress.forces`."""
     stress: ReducedStress | None = None  #: stress at the points, if the file gives its recovery
     damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
     gyroscopic: FloatArray | None = None
@@ -275,6 +278,7 @@ def _reduced(
         of_points=lambda: np.asarray(rows["points"] @ shapes),
         points_by_force=lambda sums: np.asarray(sums @ by_force),
         strains=np.asarray(rows["strains"] @ shapes),
+        strains_by_force=np.asarray(rows["strains"] @ moved[:, : 3 * part.contacts])[None],
         stress=reduced_stress(part, squares, shapes, moved, squares > rigid_limit(part)),
         loads=part.loads.T @ shapes,
         grown=grown.T,

@@ -100,7 +100,7 @@ class Superelement:
     triangles: IntArray | None = None  #: points of each surface triangle, (t, 3)
     strain_recovery: Matrix | None = None
     """Matrix from the coordinates to the strains of gauges [1/m], (gauges, n), listed blade by
-    blade. The flexible part of the strain near contact nodes without mass is not included."""
+    blade."""
     stress_recovery: Matrix | None = None
     """Matrix from the coordinates to the stress at the points [Pa/m], (6p, n): components xx, yy,
     zz, xy, yz and zx of each point in the axes of the file."""

@@ -225,6 +225,7 @@ def _expanded(
         of_points=points,
         points_by_force=points_by_force,
         strains=np.hstack(strains)[:, order],
+        strains_by_force=_by_distance([wave["strains" + BY_FORCE] for wave in waves], sectors),
         stress=(
             ReducedStress(
                 modes=np.hstack(stresses)[:, order],

@@ -103,6 +103,15 @@ class PointStresses:
         return max(1, int(most_bytes / each))
 
 
+def on_sectors(by_force: Array, places: IntArray) -> Array:
+    """Return values at places of a copy by contact forces on each sector of it, (places, sectors,
+    ...), from values by the number of sectors from the force to the place, (sectors, places of a
+    sector, ...)."""
+    sector, place = np.divmod(places, by_force.shape[1])
+    distance = (sector[:, None] - np.arange(len(by_force))) % len(by_force)
+    return np.asarray(by_force[distance, place[:, None]])
+
+
 def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArray, Array, Array]:
     """Return the points of a result that have a number in the file, and the strain in a direction
     at each of them for unit modal coordinates [kg^-1/2/m], (points, modes), and by unit contact
@@ -128,10 +137,8 @@ def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArr
     places = np.flatnonzero(number == point)
     if not len(places):
         raise ViewError(f"expected a point of the file, from 0 to {number.max()}")
-    shape, by_force = dataset["stress_shape"].values[places], dataset["stress_by_force"].values
-    sector, place = np.divmod(places, by_force.shape[1])
-    distance = (sector[:, None] - np.arange(len(by_force))) % len(by_force)
-    pushed = np.moveaxis(by_force[distance, place[:, None]], 1, 2)
+    shape = dataset["stress_shape"].values[places]
+    pushed = np.moveaxis(on_sectors(dataset["stress_by_force"].values, places), 1, 2)
     stress = np.concatenate([shape, pushed.reshape(*shape.shape[:2], -1)], axis=2)
     unit = direction / np.linalg.norm(direction)
     twice = np.where(np.arange(6) < 3, 1.0, 2.0)  # shear stresses count twice

@@ -118,6 +118,7 @@ def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArray
         point_shape=np.moveaxis(fields, 0, -1),
         centre_shape=np.zeros(0),
         gauge_shape=np.zeros(0),
+        gauge_by_force=np.zeros(0),
     )
 
 

@@ -16,6 +16,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.linalg import block_diag
 
 from bladewhirl.meshes.hermite import cubic_weights, curvature_weights, slope_weights
 from bladewhirl.models.case.check import sensors_from
@@ -34,7 +35,7 @@ from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_count, bl
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.nodes import point_blades
-from bladewhirl.postprocess.fields.point_stresses import gauge_row
+from bladewhirl.postprocess.fields.point_stresses import gauge_row, on_sectors
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.strains import surface_strain_rows
 from bladewhirl.postprocess.fields.windows import in_window
@@ -198,7 +199,7 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
     """
     blades = range(blade_count(dataset)) if gauge.blade == "all" else [gauge.blade]
     if gauge.gauge is not None:
-        return GaugeRows(_recovered_rows(dataset, gauge.gauge)[[*blades]])
+        return _recovered_rows(dataset, gauge.gauge, [*blades])
     if gauge.point is not None:
         return _point_rows(dataset, gauge)
     if "rotor_line" not in dataset:
@@ -221,9 +222,8 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
     return GaugeRows(surface_strain_rows(dataset, np.array(lines), np.array(places), left))
 
 
-def _recovered_rows(dataset: xr.Dataset, number: int) -> Array:
-    """Return the strain of a gauge on every blade for unit modal coordinates, (blade, rotor_mode),
-    from the recovery of strain of a superelement."""
+def _recovered_rows(dataset: xr.Dataset, number: int, chosen: list[int]) -> GaugeRows:
+    """Return the strain of a gauge on some blades from the recovery of strain of a superelement."""
     if "gauge_shape" not in dataset:
         raise ViewError("expected span or element, as no file gives strain_recovery")
     shape, copies = dataset["gauge_shape"].values, dataset.sizes["copy"]
@@ -234,7 +234,13 @@ def _recovered_rows(dataset: xr.Dataset, number: int) -> Array:
             " number of gauges on all blades"
         )
     own = shape.reshape(blades, -1, shape.shape[1])[:, number]
-    return np.asarray(np.kron(np.eye(copies), own))
+    modal = np.kron(np.eye(copies), own)[chosen]
+    if "gauge_by_force" not in dataset:  # of an older format
+        return GaugeRows(modal)
+    gauges = number + len(shape) // blades * np.arange(blades)
+    every = dataset["gauge_by_force"].values
+    by_force = block_diag(*(on_sectors(each, gauges).reshape(blades, -1) for each in every))
+    return GaugeRows(modal, np.asarray(by_force[chosen]))
 
 
 def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:

@@ -15,7 +15,7 @@ from bladewhirl.files import packaged_rows
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 13
+RESULT_FORMAT = 14
 """Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
 older format lacks variables with a higher number in the column "since", most of which are added
 when such a file is opened. Before format 10 contact nodes were named "blade" along their dimension,

@@ -14,6 +14,7 @@ import bladewhirl as bw
 from bladewhirl.models.superelements.superelement import Superelement, dense
 from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 from bladewhirl.postprocess.fields.nodes import displacement
+from bladewhirl.postprocess.fields.point_stresses import on_sectors
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.sensor_files import check_gauges
@@ -54,8 +55,10 @@ def test_gauges_of_a_file_are_strained_as_its_points_move(tmp_path: Path) -> Non
     header = (run.directory / "strain-gauge-1.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header.endswith("strain-gauge-1 blade 2 [um/m]")
     with run.open() as result:
-        signals = bw.sensors(result)
-        for number in range(3):
+        pushed = bw.sensors(result)
+        signals = bw.sensors(result.assign(contact_force=0.0 * result["contact_force"]))
+        assert np.abs(pushed["one"] - signals["one"]).max() > 0.0
+        for number in range(3):  # points move as the modes do
             moved = displacement(result, 1, copy=number).sel(xyz="x").values
             strain = signals["strain-gauge-1"].sel(blade=number).values
             assert np.abs(strain).max() > 0.0
@@ -104,6 +107,13 @@ def test_gauges_of_a_sector_are_on_every_blade_of_the_wheel() -> None:
     squares, shapes = np.linalg.eigh(scale[:, None] * dense(wheel.stiffness) * scale)
     strained = dense(wheel.strain_recovery) @ (scale[:, None] * shapes)
     assert reduced.strains.shape == (4, 20)
+    force = np.random.default_rng(1).standard_normal((4, 3))
+    found = reduced.strains @ (reduced.contact.T @ force.ravel() / reduced.frequency**2)
+    pushed = on_sectors(reduced.strains_by_force, np.arange(4)).reshape(4, -1) @ force.ravel()
+    moved = np.linalg.solve(dense(wheel.stiffness), wheel.contact_rows.T @ force.ravel())
+    expected = dense(wheel.strain_recovery) @ moved
+    assert found + pushed == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+    assert np.abs(found - expected).max() > 1e-4 * np.abs(expected).max()
     assert np.abs(reduced.strains).max() > 1.0
     for frequency in reduced.frequency:
         here = np.abs(reduced.frequency - frequency) < 1e-6 * frequency

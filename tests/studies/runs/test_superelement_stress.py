@@ -1,6 +1,7 @@
 """Stress of superelements: static forces, steady rotation, wheels, gauges, summary and files."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.reduction import consistent, massless
-from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.superelement import Superelement, dense
 from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
@@ -129,6 +130,11 @@ def test_centrifugal_forces_pull_as_the_mass_at_its_radius() -> None:
 def test_stress_of_static_forces_is_exact_with_few_modes(tmp_path: Path) -> None:
     """With modes, residual flexibility and steady rotation, for blades of different stiffness."""
     part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
+    point = 9
+    assert part.points is not None
+    middle = int(abs(part.points[:, 0] - 0.25).argmin())
+    rows = dense(part.recovery)[[3 * middle, 3 * middle + 2]]
+    part = replace(part, strain_recovery=rows / 0.01)
     given = case(
         tmp_path,
         part,
@@ -147,29 +153,37 @@ def test_stress_of_static_forces_is_exact_with_few_modes(tmp_path: Path) -> None
     push = np.einsum("cm,bc->bm", reduced.contact, force.reshape(2, -1))
     stiffness = np.array([[1.0], [1.3]]) * reduced.frequency**2
     static = result.isel(time=[0, 1]).copy()
-    moved = np.tile((push / stiffness).ravel(), (2, 1))
-    static["rotor_displacement"] = ("time", "rotor_mode"), moved
-    static["rotor_velocity"] = ("time", "rotor_mode"), 0.0 * moved
+    modal = np.tile((push / stiffness).ravel(), (2, 1))
+    static["rotor_displacement"] = ("time", "rotor_mode"), modal
+    static["rotor_velocity"] = ("time", "rotor_mode"), 0.0 * modal
     forces = np.tile(force.reshape(-1, 3), (2, 1, 1))
     static["contact_force"] = result["contact_force"].isel(time=[0, 1]).copy(data=forces)
     turning = at_speed(part, SPEED, coriolis=False)
-    point = 9
-    gauge = {"type": "strain", "point": point, "direction": [1.0, 0.0, 0.0]}
-    (strains,) = bw.sensors(static, [gauge]).data_vars.values()
-    without = static.assign(contact_force=0.0 * static["contact_force"])
-    (by_modes,) = bw.sensors(without, [gauge]).data_vars.values()
-    assert abs(by_modes - strains).max() > 1e-4 * abs(strains).max()
+    rig: list[dict[str, Any]] = [
+        {"type": "strain", "point": point, "direction": [1.0, 0.0, 0.0], "name": "hooke"},
+        {"type": "strain", "gauge": 1, "name": "row"},
+    ]
+    strains = bw.sensors(static, rig)
+    by_modes = bw.sensors(static.assign(contact_force=0.0 * static["contact_force"]), rig)
+    for name, strain in strains.data_vars.items():
+        assert abs(by_modes[name] - strain).max() > 1e-4 * abs(strain).max()
     assert part.centrifugal_load is not None
     steady = SPEED**2 * part.centrifugal_load
-    for factor, each, found, strain in zip(
-        (1.0, 1.3),
-        force,
-        np.split(PointStresses(static).at(np.array([0]))[0], 2),
-        strains.values[1],
-        strict=True,
+    for blade, (factor, each, found) in enumerate(
+        zip(
+            (1.0, 1.3),
+            force,
+            np.split(PointStresses(static).at(np.array([0]))[0], 2),
+            strict=True,
+        )
     ):
-        own = solved(turning, part.contact_rows.T @ each.ravel())[6 * point :][:3]
-        assert strain * factor == pytest.approx((1.3 * own[0] - 0.3 * own.sum()) / 2.1e11, rel=1e-6)
+        of_blade, pushed = strains.isel(time=1, blade=blade), part.contact_rows.T @ each.ravel()
+        own = solved(turning, pushed)[6 * point :][:3] / factor
+        strain = (1.3 * own[0] - 0.3 * own.sum()) / 2.1e11
+        assert float(of_blade["hooke"]) == pytest.approx(strain, rel=1e-6)
+        moved = spl.spsolve(sp.csc_array(turning.stiffness), pushed) / factor
+        strain = dense(part.strain_recovery)[1] @ moved
+        assert float(of_blade["row"]) == pytest.approx(strain, rel=1e-6)
         # a stiffer blade has the same stress under the same forces
         load = part.contact_rows.T @ each.ravel() + steady
         expected = von_mises(solved(turning, load))
