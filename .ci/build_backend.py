@@ -56,7 +56,7 @@ def build(step: Callable[..., str], *arguments: Any) -> str:
     flag = "-march=native" if x86 else "-mcpu=native"
     if os.environ.get("BLADEWHIRL_PORTABLE", "0") not in ("", "0"):
         flag = "-DPORTABLE"
-    os.environ["CFLAGS"] = f"{os.environ.get('CFLAGS', '')} {flag}"
+    os.environ["CFLAGS"] = f"-O3 {os.environ.get('CFLAGS', '')} {flag}"
     try:
         return step(*arguments)
     except (Exception, SystemExit):
