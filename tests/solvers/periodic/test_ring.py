@@ -49,7 +49,6 @@ def impulse_of_last_turn(chunk: Any, records: int) -> FloatArray:
     return np.asarray(last.reshape(16, -1).sum(axis=1), dtype=np.float64)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes", [{"excitation": ORDERS}, pytest.param({}, marks=pytest.mark.slow)]
 )
@@ -86,7 +85,7 @@ def test_a_march_of_sixteen_blades_leaves_unstable_motions_only(speed: str, stab
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("copies", "speed", "damping"),
-    [(1, "10000 rpm", 0.03), pytest.param(4, "7000 rpm", 0.04, marks=pytest.mark.slow)],
+    [(1, "10000 rpm", 0.03), (4, "7000 rpm", 0.04)],
 )
 def test_deviations_of_blades_and_ring_decay_as_in_a_march(
     copies: int, speed: str, damping: float

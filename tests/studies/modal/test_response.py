@@ -220,7 +220,6 @@ def test_peaks_are_found_between_speeds(effects: str, tuned: bool) -> None:
     assert float(drawn.max()) == pytest.approx(rows[0]["amplitude"])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("effects", ["none", pytest.param("full", marks=pytest.mark.slow)])
 def test_a_mistuned_sector_responds_as_its_wheel(effects: str, tmp_path: Path) -> None:
     """The direct solution of the assembled wheel is that of stiffness, mass, Coriolis forces and

@@ -123,7 +123,6 @@ def test_a_repeat_changes_the_force_a_little(case: Any, key: str) -> None:
     assert perturbed(case, 0) is case
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_runs_are_kept_and_used_again(workers: int, tmp_path: Path) -> None:
     """One worker marches in this process, two in others."""

@@ -16,9 +16,7 @@ from bladewhirl.studies.commands.cli import app
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("speed", "slope"), [pytest.param(7000.0, 0.0, marks=pytest.mark.slow), (5000.0, "3 deg")]
-)
+@pytest.mark.parametrize(("speed", "slope"), [(7000.0, 0.0), (5000.0, "3 deg")])
 def test_a_motion_is_that_of_a_long_run(tmp_path: Path, speed: float, slope: Any) -> None:
     """Also in a conical wall, in which displacements and forces have other axes."""
     own = case(**{"casing.slope": slope, "march.speed": f"{speed} rpm"})

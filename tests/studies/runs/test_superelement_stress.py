@@ -385,7 +385,6 @@ def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -
     assert abs(by_modes.values[0] - strain).max() > 0.01 * abs(strain).max()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("velocity", "end", "hint"),
     [
