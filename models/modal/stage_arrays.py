@@ -91,9 +91,6 @@ class StageArrays:
     that is a number of sectors behind. Blades and whole wheels are one sector each."""
     steady_stress: FloatArray = absent()
     """Stress by steady rotation [Pa], (points, 6)."""
-    steady_stress_rest: FloatArray = absent()
-    """Its part that the modes do not describe, for 1 rad/s [Pa s2], (points, 6), if the speed
-    varies."""
     copy_stiffness: FloatArray = absent()
     """Stiffness of each copy divided by that of the file, (copies,)."""
     point_young_modulus: FloatArray = absent()  #: Young's modulus at each point [Pa], (points,)

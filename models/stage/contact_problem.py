@@ -46,10 +46,6 @@ class ContactNodes:
     """Residual flexibility of the tips of each copy [m/N], (copies, 3 * tips, 3 * tips); the first
     three rows belong to tip 0. Tips with this flexibility have no mass. None: tips move with the
     modes only."""
-    growth: FloatArray | None = None
-    """Static displacements of the tips beyond those of the modes, in their three directions
-    [m s2]: for Omega^2 less the square of the speed of the contact problem, and for Omega',
-    (2, copies, 3 * tips); None if the speed is constant or the modes move as the tips do."""
     normal_part: float | FloatArray = 1.0
     """Part of radial lengths that is normal to the wall at each tip of a copy, where the slope of
     the wall varies, (tips,); a slope common to all tips is in the clearance."""
@@ -465,9 +461,10 @@ class Load:
     """Multiple of the angle of the rotor that is added to the argument of the cosine. This and the
     parts due to the speed need `SpeedChange`."""
     constant: float = 1.0
-    """The pattern is multiplied by the sum of this number and of the next two parts."""
+    """The pattern is multiplied by the sum of this number and of the next three parts."""
     by_square: float = 0.0
     """Factor of Omega^2 less the square of the speed of the contact problem [s2]."""
+    by_fourth: float = 0.0  #: the same of the fourth powers [s4]
     by_acceleration: float = 0.0  #: factor of Omega' [s2]
 
     def amplitude(self, time: float, turned: "Rotation", base: float) -> float:
@@ -476,6 +473,7 @@ class Load:
         if not time < self.end:
             return 0.0
         scale = self.constant + self.by_square * (turned.speed**2 - base**2)
+        scale += self.by_fourth * (turned.speed**4 - base**4)
         scale += self.by_acceleration * turned.acceleration
         factor = np.cos(self.frequency * time + self.phase + self.order * turned.angle)
         if time < self.ramp:
@@ -655,11 +653,6 @@ class ContactProblem:
             gap = gap - (rotor.nodes.compliance @ pushed)[:, ::3].ravel()
         if self.foreshortening is not None:
             gap = gap + self.foreshortening.opening(start.rotor)
-        if self.change is not None and self.change.ends is not None:
-            turned = self.rotation_at(time)
-            _, growth = self.change.ends.at(turned.speed)
-            by = [turned.speed**2 - self.speed**2, turned.acceleration]
-            gap = gap - np.tensordot(by, growth, 1)[:, 0::3].ravel()
         return np.asarray(gap)
 
     def at_speed(self, speed: float) -> "ContactProblem":
@@ -671,12 +664,9 @@ class ContactProblem:
             further = 2.0 * (speed - self.speed) * change.coriolis
             assert rotor.by_velocity is not None
             rotor = replace(rotor, by_velocity=rotor.by_velocity + further)
-        if change.ends is not None:
-            compliance, growth = change.ends.at(speed)
+        if change.compliance is not None:
             assert rotor.nodes is not None
-            nodes = replace(rotor.nodes, growth=growth)
-            if nodes.compliance is not None:
-                nodes = replace(nodes, compliance=compliance)
+            nodes = replace(rotor.nodes, compliance=change.compliance.at(speed))
             rotor = replace(rotor, nodes=nodes)
         return replace(self, rotor=rotor)
 

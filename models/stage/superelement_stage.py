@@ -1,6 +1,6 @@
 """The stage of a superelement: its reduction, and its contact problem."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -397,11 +397,6 @@ class SuperelementStage:
         if stress.steady is not None and self.case.rotation.effects != "none":
             steady = self.speed**2 * stress.steady
             arrays["steady_stress"] = steady.reshape(points, COMPONENTS)
-            if self.case.march.varies:
-                rest = stress.steady - stress.modes @ (
-                    self.reduced.loads[0] / self.reduced.frequency**2
-                )
-                arrays["steady_stress_rest"] = rest.reshape(points, COMPONENTS)
         for key in ("young_modulus", "poisson_ratio"):
             if (numbers := getattr(self.given, key)) is not None:
                 arrays[f"point_{key}"] = np.tile(numbers, points // len(numbers))
@@ -474,7 +469,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     turning = at_rest is not None
     reduced_at = partial(_reduced_at, case, part, factor, omega, turning=turning)
     try:
-        given, part, reduced = reduced_at(omega, other=_slowest(case, at_rest))
+        given, part, reduced = reduced_at(omega, others=_other_speeds(case, at_rest))
     except SuperelementError as error:
         if at_rest is not None:
             expected = "a speed below the lowest critical speed, at which the stiffness is lost"
@@ -522,7 +517,7 @@ def _reduced_at(
     omega: float,
     *,
     turning: bool,
-    other: float | None = None,
+    others: Sequence[float] = (),
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
     """Return a superelement at a speed, its structure with its supports, and its reduction.
 
@@ -533,8 +528,8 @@ def _reduced_at(
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
         omega: speed [rad/s].
         turning: whether the rotation acts on the structure.
-        other: another speed [rad/s], whose modes are added to those of a massless boundary, see
-            `further_modes.further`.
+        others: other speeds [rad/s], whose modes and static displacements are added, see
+            `massless` and `consistent`.
 
     Raises:
         SuperelementError: as for `massless` and `consistent`.
@@ -543,27 +538,26 @@ def _reduced_at(
     assert table is not None
     if table.kind == "sector" and reduction.boundary == "massless":
         speeds = omega, highest
-        found = wheel_of_sectors(case, part, speeds, factor, turning=turning, other=other)
+        found = wheel_of_sectors(case, part, speeds, factor, turning=turning, others=others)
         return part, *found
-    root = slower = None
+    root, slower = None, list[Superelement]()
     if turning:
         still, full = over_speeds(case, part, highest), case.rotation.effects == "full"
         part = at_speed(still, omega, coriolis=full)
         root = damping_root(case, still, highest)
-        if other is not None:
-            slower = assembled(case, at_speed(still, other, coriolis=full))
+        slower = [assembled(case, at_speed(still, each, coriolis=full)) for each in others]
     held = assembled(case, part)
     if reduction.boundary == "massless":
         return part, held, massless(held, reduction.free_interface_modes, root, slower)
     kept = reduction.fixed_interface_modes
     if kept == MODES:  # the default: all modes of a small superelement
         kept = min(kept, held.size - boundary_size(held))
-    return part, held, consistent(held, kept, kept, root)
+    return part, held, consistent(held, kept, kept, root, slower)
 
 
-def _slowest(case: Case, at_rest: float | None) -> float | None:
-    """Return the lowest speed of a case whose speed varies [rad/s]; None if it does not, or if the
-    rotation does not act on the structure.
+def _other_speeds(case: Case, at_rest: float | None) -> tuple[float, ...]:
+    """Return the lowest speed of a case whose speed varies, and one between it and the highest
+    [rad/s]; none if the speed is constant, or if the rotation does not act on the structure.
 
     Args:
         case: the case.
@@ -571,9 +565,10 @@ def _slowest(case: Case, at_rest: float | None) -> float | None:
     """
     course = None if at_rest is None else case.march.course(at_rest)
     if course is None or np.ptp(course.range) == 0.0:
-        return None
-    low, high = course.range
-    return 0.0 if low < 0.0 < high else min(low, high, key=abs)
+        return ()
+    low, high = sorted(map(abs, course.range))
+    low = 0.0 if np.prod(course.range) < 0.0 else low
+    return low, float(np.sqrt(0.5 * (low**2 + high**2)))
 
 
 _at_rest: dict[str, float] = {}

@@ -4,7 +4,7 @@ Points of a sweep share what does not depend on the speed: superelements that ar
 range of speeds, and the modes at rest of the damping.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -122,7 +122,7 @@ def wheel_of_sectors(
     factor: FloatArray,
     *,
     turning: bool,
-    other: float | None = None,
+    others: Sequence[float] = (),
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
 
@@ -132,7 +132,8 @@ def wheel_of_sectors(
         speeds: speed, and the highest speed at which the wheel is reduced [rad/s].
         factor: factor on the stiffness of each blade, (sectors,).
         turning: whether the rotation acts on the structure.
-        other: another speed [rad/s], whose modes are added, see `further_modes.further`.
+        others: other speeds [rad/s], whose modes and static displacements are added, see
+            `further_modes.further`.
     """
     table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
     assert table is not None
@@ -142,7 +143,7 @@ def wheel_of_sectors(
         if not turning:
             return massless_wheel(part, table.copies, modes, table.file)
     omega, highest = speeds
-    return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None, other)
+    return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None, others)
 
 
 def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:

@@ -40,7 +40,8 @@ class SpeedChange:
     None if there is none."""
     factor: FloatArray = field(default_factory=lambda: np.ones(1))
     """Factor on the changes of the stiffness of each copy, (copies,)."""
-    ends: "EndsOverSpeeds | None" = None  #: None if contact nodes are the same at every speed
+    compliance: "ComplianceOverSpeeds | None" = None
+    """None if the flexibility of contact nodes is the same at every speed."""
 
     def change_of_force(
         self, base: float, turned: Rotation, displacement: FloatArray, velocity: FloatArray
@@ -59,22 +60,18 @@ class SpeedChange:
 
 
 @dataclass(frozen=True, kw_only=True)
-class EndsOverSpeeds:
-    """Contact nodes of a superelement whose flexibility and static displacement depend on the
-    speed, at a few speeds. Between them they are interpolated by polynomials."""
+class ComplianceOverSpeeds:
+    """Flexibility of the contact nodes of a superelement at a few speeds. Between them it is
+    interpolated by polynomials."""
 
     speeds: FloatArray  #: speeds [rad/s], (speeds,)
     compliance: FloatArray  #: see `ContactNodes.compliance`, (speeds, copies, 3c, 3c)
-    growth: FloatArray  #: see `ContactNodes.growth`, (speeds, 2, copies, 3c)
 
-    def at(self, speed: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Return compliance and growth at speeds [rad/s] of any shape (...): (..., copies, 3c, 3c)
-        and (..., 2, copies, 3c)."""
+    def at(self, speed: ArrayLike) -> FloatArray:
+        """Return the compliance at speeds [rad/s] of any shape (...), (..., copies, 3c, 3c)."""
         from scipy.interpolate import BarycentricInterpolator  # long to load
 
-        each = (self.compliance, self.growth)
-        found = (BarycentricInterpolator(self.speeds, values)(speed) for values in each)
-        return next(found), next(found)
+        return np.asarray(BarycentricInterpolator(self.speeds, self.compliance)(speed))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,9 @@
-"""Modes that describe how those at one speed change with the speed."""
+"""Modes that describe how those at one speed, and the state of steady rotation, change with it.
+
+The lowest modes at another speed, and the static displacements by the loads of the rotation at this
+and other speeds, become further modes of a structure whose speed varies. Its state of steady
+rotation then follows from its modes, with the stress, the strain and the place of every point.
+"""
 
 from typing import Any
 
@@ -27,9 +32,11 @@ def further(stiffness: Any, mass: Any, shapes: Any, others: Any, limit: float) -
         stiffness: stiffness matrix, (n, n).
         mass: mass matrix, (n, n).
         shapes: given modes, mass-normalised, (n, modes).
-        others: lowest modes with another stiffness, (n, modes).
+        others: lowest modes with another stiffness, and static displacements, (n, others).
         limit: highest frequency of the further modes [rad/s].
     """
+    own = np.sqrt(np.einsum("nm,nm->m", others.conj(), mass @ others).real)
+    others = others[:, own > 0.0] / own[own > 0.0]
     for _ in range(2):  # the second time for rounding errors
         others = others - shapes @ (shapes.conj().T @ (mass @ others))
     squares, turn = la.eigh(others.conj().T @ (mass @ others))

@@ -178,7 +178,6 @@ def stiffened(
         strains=reduced.strains @ kept,
         stress=None if stress is None else replace(stress, modes=stress.modes @ kept),
         loads=reduced.loads @ kept,
-        grown=reduced.grown + (reduced.loads @ turn[:, modes:] / squares[modes:]) @ rest.T,
         root=kept.T @ root_of(reduced.root @ reduced.root + change) @ kept,
         kept=modes,
         **{

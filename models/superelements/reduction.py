@@ -16,7 +16,7 @@ from one static solution for each contact displacement, so that it includes all 
 nodes have mass, and C is zero.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -100,9 +100,6 @@ class ReducedSuperelement:
     loads: FloatArray = absent()
     """Modal forces of the loads of the rotation that are known, see `LOADS` [kg^1/2 m], (loads,
     modes)."""
-    grown: FloatArray = absent()
-    """Static displacements of the contact nodes by these loads, without their part in the modes
-    [m s2], (loads, 3c)."""
     root: FloatArray | None = None
     """Square root of the stiffness at rest, on the modes [1/s], (modes, modes), of a structure at
     speed: twice the damping ratio times this matrix is the modal damping of the structure at rest.
@@ -132,7 +129,7 @@ def massless(
     part: Superelement,
     modes: int,
     root: "Root | None" = None,
-    other: Superelement | None = None,
+    others: Sequence[Superelement] = (),
 ) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
@@ -140,7 +137,8 @@ def massless(
         part: superelement; every motion except rigid ones must have stiffness (no mechanisms).
         modes: number of modes.
         root: function from shapes to `ReducedSuperelement.root`, if it is needed.
-        other: the structure with another stiffness, whose lowest modes are added, see
+        others: the structure at other speeds; the lowest modes of the first one, and the static
+            displacements by the loads of the rotation at all speeds are added, see
             `further_modes.further`.
 
     Raises:
@@ -155,10 +153,10 @@ def massless(
     kept = rows @ shapes[:, elastic]
     compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
     compliance = 0.5 * (compliance + compliance.T)
-    if other is not None:
+    if others:
         limit = stiffest(squares, rows @ shapes, compliance)
-        others = lowest_modes(other, modes)[1]
-        stiff, added = further(part.stiffness, part.mass, shapes, others, limit)
+        fields = [moved[:, 3 * part.contacts :], *_at_speeds(others, modes)]
+        stiff, added = further(part.stiffness, part.mass, shapes, np.hstack(fields), limit)
         moved = moved - added @ (added.T @ loads / stiff[:, None])
         compliance = compliance - (rows @ added / stiff) @ (rows @ added).T
         squares, shapes = np.concatenate([squares, stiff]), np.hstack([shapes, added])
@@ -170,8 +168,15 @@ def massless(
             f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
             " give all contact nodes a radial flexibility"
         )
-    grown = np.asarray(rows @ moved[:, 3 * part.contacts :])
-    return _reduced(part, squares, shapes, moved, compliance, len(squares), grown, root)
+    return _reduced(part, squares, shapes, moved, compliance, len(squares), root)
+
+
+def _at_speeds(others: Sequence[Superelement], modes: int) -> Iterator[FloatArray]:
+    """Yield the lowest modes of the first structure, one mode of the others, and the static
+    displacements by the loads of the rotation of all, (n, fields)."""
+    for each in others:
+        yield from modes_and_static(each, modes, each.loads)[1:]
+        modes = 1
 
 
 def check_count(found: int, modes: int) -> None:
@@ -192,7 +197,11 @@ def boundary_size(part: Superelement) -> int:
 
 
 def consistent(
-    part: Superelement, fixed_interface_modes: int, kept: int, root: "Root | None" = None
+    part: Superelement,
+    fixed_interface_modes: int,
+    kept: int,
+    root: "Root | None" = None,
+    others: Sequence[Superelement] = (),
 ) -> ReducedSuperelement:
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 
@@ -201,6 +210,7 @@ def consistent(
         fixed_interface_modes: number of fixed-interface modes.
         kept: number of the lowest modes, which have the damping ratio of the structure.
         root: function from shapes to `ReducedSuperelement.root`, if it is needed.
+        others: the structure at other speeds, see `massless`; modes are not added.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -232,11 +242,15 @@ def consistent(
     # Contact forces act on modes only; the boundary moves as in these under any static load.
     still, loads = np.zeros((part.size, 3 * part.contacts)), part.loads
     rest = np.zeros(loads.shape)
-    if part.stress_recovery is not None and loads.shape[1]:
+    if (part.stress_recovery is not None or others) and loads.shape[1]:
         rest = _static_rest(part, loads, shapes[:, elastic], squares[elastic])
-    grown = np.zeros((3 * part.contacts, loads.shape[1]))
+    if others:
+        fields, limit = [rest, *_at_speeds(others, 1)], float(np.sqrt(squares[-1]))
+        stiff, added = further(stiffness, mass, shapes, np.hstack(fields), limit)
+        rest = rest - added @ (added.T @ loads / stiff[:, None])
+        squares, shapes = np.concatenate([squares, stiff]), np.hstack([shapes, added])
     moved = np.hstack([still, rest])
-    return _reduced(part, squares, shapes, moved, compliance, kept, grown, root)
+    return _reduced(part, squares, shapes, moved, compliance, kept, root)
 
 
 def _static_rest(
@@ -255,7 +269,6 @@ def _reduced(
     moved: FloatArray,
     compliance: FloatArray,
     kept: int,
-    grown: FloatArray,
     root: "Root | None",
 ) -> ReducedSuperelement:
     centre = np.zeros((2, shapes.shape[1]))
@@ -281,7 +294,6 @@ def _reduced(
         strains_by_force=np.asarray(rows["strains"] @ moved[:, : 3 * part.contacts])[None],
         stress=reduced_stress(part, squares, shapes, moved, squares > rigid_limit(part)),
         loads=part.loads.T @ shapes,
-        grown=grown.T,
         root=None if root is None else root(shapes),
         kept=kept,
     )

@@ -133,15 +133,14 @@ class WheelOverSpeeds:
         ]
 
     def at(
-        self, omega: float, factor: FloatArray | None = None, other: float | None = None
+        self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()
     ) -> tuple[Superelement, ReducedSuperelement]:
         """Return the contact nodes of the wheel and its reduction at a speed, see `massless_wheel`.
 
         Args:
             omega: speed of rotation [rad/s].
             factor: factor on the stiffness of each blade, (sectors,); None if blades are equal.
-            other: another speed, whose modes are added, see `further_modes.further`; not if blades
-                differ.
+            others: other speeds, see `_of_block`; none if blades differ.
 
         Raises:
             SuperelementError: the stiffness is not positive definite at this speed.
@@ -149,7 +148,7 @@ class WheelOverSpeeds:
         sectors, modes = self._sectors, self._modes
         if factor is None:
             waves = [
-                _of_block(block, omega, modes, self._given, other=other) for block in self._blocks
+                _of_block(block, omega, modes, self._given, others=others) for block in self._blocks
             ]
             return _expanded(self._part, sectors, waves)
         waves = [_of_block(block, omega, modes, self._given, static=True) for block in self._blocks]
@@ -175,7 +174,7 @@ def _expanded(
     part: Superelement, sectors: int, waves: Sequence[Arrays]
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return the wheel and its reduction from the arrays of each nodal diameter, see `_reduced`."""
-    rows, modes = 3 * part.contacts, len(waves[0]["squares"])
+    rows = 3 * part.contacts
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
     frequency, contact, strains, stresses, loads = [], [], [], [], []
     matrices = (*FURTHER, "root")
@@ -202,8 +201,9 @@ def _expanded(
         for k, wave in enumerate(waves):
             for phases in _real_waves(k, spread):
                 each = np.stack([(one * wave["points"]).real for one in phases])
-                each = each.reshape(sectors, -1, 3, modes)
-                moved.append(rotate(each, spread[:, None, None], axis=2).reshape(-1, modes))
+                each = each.reshape(sectors, -1, 3, each.shape[-1])
+                turned = rotate(each, spread[:, None, None], axis=2)
+                moved.append(turned.reshape(-1, each.shape[-1]))
         return np.hstack(moved)[:, order]
 
     def points_by_force(sums: sp.csr_array) -> FloatArray:
@@ -237,7 +237,6 @@ def _expanded(
         ),
         kept=len(values),
         loads=np.vstack(loads)[order].T if loads else np.zeros(0),
-        grown=np.tile(waves[0]["grown"].real.T, sectors) if loads else np.zeros(0),
         **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
     return _wheel(part, spread, values), reduced
@@ -252,11 +251,12 @@ def _by_distance(blocks: Sequence[ComplexArray], sectors: int) -> FloatArray:
 def _order(waves: Sequence[Arrays], sectors: int) -> IntArray:
     """Return the positions of all real modes, which are nodal diameter by nodal diameter, by
     frequency; as they are with Coriolis forces, which couple the modes of a nodal diameter."""
-    if "gyroscopic" in waves[0]:
-        return np.arange(sectors * len(waves[0]["squares"]))
     twice = (1 + (0 < 2 * k < sectors) for k in range(len(waves)))
-    squares = [np.tile(wave["squares"], times) for wave, times in zip(waves, twice, strict=True)]
-    return np.argsort(np.sqrt(np.concatenate(squares)), kind="stable")
+    tiled = [np.tile(wave["squares"], times) for wave, times in zip(waves, twice, strict=True)]
+    squares = np.concatenate(tiled)
+    if "gyroscopic" in waves[0]:
+        return np.arange(len(squares))
+    return np.argsort(np.sqrt(squares), kind="stable")
 
 
 def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:
@@ -317,7 +317,7 @@ def _of_block(
     given: Sequence[str],
     *,
     static: bool = False,
-    other: float | None = None,
+    others: Sequence[float] = (),
 ) -> Arrays:
     """Return the arrays of `_reduced` at a speed [rad/s] from a block, and the shapes of the modes.
 
@@ -328,7 +328,9 @@ def _of_block(
         given: names of the optional matrices that the superelement has.
         static: whether the static displacements under the forces of blades follow the modes, as
             further orthogonal motions with their stiffness.
-        other: another speed [rad/s], whose modes are added, see `further_modes.further`.
+        others: other speeds [rad/s]; the lowest modes at the first one, and the static
+            displacements by the loads of the rotation at all speeds are added, see
+            `further_modes.further`.
     """
     stiffness = block.stiffness + block.change(omega)
     squares, shapes = la.eigh(stiffness)
@@ -340,14 +342,14 @@ def _of_block(
     touched = block.contact @ rest
     by_force = (rest / stiff) @ touched.conj().T
     loads, moved = shapes.conj().T @ block.loads, rest.conj().T @ block.loads / stiff[:, None]
-    grown = touched @ moved
     steady = block.stresses @ (rest @ moved + shapes @ (loads / squares[:, None]))
-    if other is not None:
+    if others:
         limit = stiffest(squares, block.contact @ shapes, block.contact @ by_force)
-        others = la.eigh(block.stiffness + block.change(other))[1][:, :modes]
-        own, added = further(stiffness, np.eye(block.size), shapes, others, limit)
-        by_added, moved = added.conj().T @ block.loads / own[:, None], block.contact @ added
-        by_force, grown = by_force - (added / own) @ moved.conj().T, grown - moved @ by_added
+        states = [la.eigh(block.stiffness + block.change(speed)) for speed in others]
+        fields = [rest @ moved, states[0][1][:, :modes]]
+        fields += [each @ (each.conj().T @ block.loads / own[:, None]) for own, each in states]
+        own, added = further(stiffness, np.eye(block.size), shapes, np.hstack(fields), limit)
+        by_force = by_force - (added / own) @ (block.contact @ added).conj().T
         shapes, squares = np.hstack([shapes, added]), np.concatenate([squares, own])
         loads = shapes.conj().T @ block.loads
     recovered = {name: getattr(block, name) for name in RECOVERED}
@@ -361,7 +363,6 @@ def _of_block(
         forced["points" + BY_FORCE] = block.points @ by_force
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
         loads = shapes.conj().T @ block.loads
-        grown = grown - (moved / own) @ (among.conj().T @ (rest.conj().T @ block.loads))
     matrices, residual = {key: getattr(block, key) for key in given}, block.contact @ by_force
     return {
         **{name: rows @ shapes for name, rows in recovered.items()},
@@ -371,7 +372,6 @@ def _of_block(
         "contact": block.contact @ shapes,
         "steady": steady[:, 0].real if block.loads.any() else np.zeros(0),
         "loads": loads,
-        "grown": grown,
         "residual": 0.5 * (residual + residual.conj().T),
         "root": shapes.conj().T @ root_of(block.stiffness) @ shapes,
         **{key: shapes.conj().T @ matrix @ shapes for key, matrix in matrices.items()},

@@ -83,11 +83,6 @@ class PointStresses:
                 place = (sector + distance) % force.shape[1]
                 of_sectors[pushed, place] += force[pushed, sector] @ by_force.T
         terms += self._steady
-        if "steady_stress_rest" in self._dataset:
-            speed = self._dataset["rotation_speed"].values[records]
-            change = speed**2 - float(self._dataset["modes_speed"]) ** 2
-            rest = (self._dataset["steady_stress_rest"].values @ VON_MISES.T).ravel()
-            terms += np.multiply.outer(change, rest)[:, None]
         squares = (terms.reshape(len(records), -1, len(VON_MISES)) ** 2).sum(axis=2)
         stress = np.sqrt(squares)
         lost = lost_blades(self._dataset)

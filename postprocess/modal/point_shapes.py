@@ -107,7 +107,6 @@ def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArray
         stress_shape=np.zeros(0),
         stress_by_force=np.zeros(0),
         steady_stress=np.zeros(0),
-        steady_stress_rest=np.zeros(0),
         copy_stiffness=np.zeros(0),
         **walls,
         rotor_frequency=np.resize(modes.frequency[disk], len(fields)),

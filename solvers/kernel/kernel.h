@@ -256,9 +256,6 @@ typedef struct {
     Matrix normal;     /* (modes, nodes) radial columns of `columns` */
     Cube compliance;   /* (copies, components, components) change of the displacements due to unit
                         * forces within the step [m/N] */
-    Matrix growth;     /* (growths, all_nodes) static displacement of each node towards the wall: for
-                        * 1 rad2/s2 of the change of Omega^2, and for 1 rad/s2 of Omega' [m]; no rows
-                        * if there is none */
     Vector radius;     /* (nodes) radius of each node [m] */
     Matrix response;   /* (nodal, nodal) change of w, w', u, u' of each casing node, the first again
                         * at the end, due to unit forces within the step; empty for a rigid wall */
@@ -283,9 +280,9 @@ typedef struct {
 /* Numbers of a piece of the speed over time: start [s], and what is added by the change of the speed:
  * angle at the start [rad], and speed as a polynomial in the time since the start. */
 enum { PIECE_START, PIECE_ANGLE, PIECE_SPEED, PIECE_DEGREE = 3, PIECE_NUMBERS = 6 };
-/* A load pattern is multiplied by cos(order psi + ...) and by a sum of three terms: a constant, a
- * factor of Omega^2 - base^2, and a factor of Omega'. */
-enum { BY_ANGLE, CONSTANT, BY_SQUARE, BY_ACCELERATION, SPEED_FACTORS };
+/* A load pattern is multiplied by cos(order psi + ...) and by a sum of four terms: a constant, and
+ * factors of Omega^2 - base^2, of Omega^4 - base^4 and of Omega'. */
+enum { BY_ANGLE, CONSTANT, BY_SQUARE, BY_FOURTH, BY_ACCELERATION, SPEED_FACTORS };
 /* Recorded numbers of the rotation: angle [rad] and speed [rad/s]. */
 enum { ANGLE, SPEED, ROTATION_NUMBERS };
 enum { MOST_POINTS = 8 }; /* largest number of speeds at which arrays are known */
@@ -296,7 +293,7 @@ typedef struct {
     double base;            /* [rad/s] */
     Matrix pieces;          /* (pieces, 6) PIECE_START ... of each piece, relative to rotation at the
                              * speed `base`, in order of time */
-    Matrix factors;         /* (patterns, 4) BY_ANGLE ... of each load pattern [1, 1, s2, s2] */
+    Matrix factors;         /* (patterns, 5) BY_ANGLE ... of each load pattern [1, 1, s2, s4, s2] */
     Vector points;          /* (points) speeds at which `samples` are known [rad/s] */
     Matrix samples;         /* (points, depending) values of `current` at these speeds */
     Vector current;         /* (depending) values at the present speed */

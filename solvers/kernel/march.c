@@ -315,7 +315,7 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
             prepare_drive(&m, step, step == end - steps);
         else
             prepare_speed(&m, step, step == end - steps);
-        m.loaded = load_amplitudes(&numbers->loads, stage->speed ? &stage->speed->factors : NULL,
+        m.loaded = load_amplitudes(&numbers->loads, stage->speed,
                                    &m.rotation, (double)step * dt, scratch->amplitude.at);
         if (springs)
             turn_springs(springs, m.rotation.angle, m.x, m.y, &scratch->springs, step, energy);

@@ -70,9 +70,15 @@ static inline void predict_body(const Body *body, Motion x)
     }
 }
 
-/* Compute the factor of each load pattern; `factors` are those of `Speed`, or NULL. Returns whether
- * any factor is not zero. */
-static inline int load_amplitudes(const Matrix *loads, const Matrix *factors, const Rotation *turn,
+/* Return Omega^4 - base^4 from Omega^2 - base^2. */
+static inline double fourth(const Speed *s, double square)
+{
+    return square * (square + 2.0 * s->base * s->base);
+}
+
+/* Compute the factor of each load pattern; `speed` is NULL if it is constant. Returns whether any
+ * factor is not zero. */
+static inline int load_amplitudes(const Matrix *loads, const Speed *speed, const Rotation *turn,
                                   double time, double *out)
 {
     int loaded = 0;
@@ -81,10 +87,11 @@ static inline int load_amplitudes(const Matrix *loads, const Matrix *factors, co
         double factor = 0.0;
         if (time < load[LOAD_END]) {
             double phase = load[LOAD_PHASE], scale = 1.0;
-            if (factors) {
-                const double *by = factors->at + p * SPEED_FACTORS;
+            if (speed) {
+                const double *by = speed->factors.at + p * SPEED_FACTORS;
                 phase += by[BY_ANGLE] * turn->angle[1];
                 scale = by[CONSTANT] + by[BY_SQUARE] * turn->square[1]
+                        + by[BY_FOURTH] * fourth(speed, turn->square[1])
                         + by[BY_ACCELERATION] * turn->acceleration;
             }
             double angle = load[LOAD_FREQUENCY] * time + phase;

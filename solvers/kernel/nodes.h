@@ -155,18 +155,6 @@ static int find_node_gaps(const March *m, const double *recess)
     return (int)within;
 }
 
-/* Return the recess of each node less its growth at the speed at the end of the step. */
-static const double *grown_recess(const March *m, const double *recess)
-{
-    const Matrix *growth = &m->stage.nodes->growth;
-    const Rotation *r = &m->rotation;
-    double base = m->stage.speed->base, square = r->speed * r->speed - base * base;
-    double *grown = m->scratch->fields.recess.at;
-    for (int64_t n = 0; n < growth->columns; n++)
-        grown[n] = recess[n] - square * growth->at[n] - r->later * growth->at[growth->columns + n];
-    return grown;
-}
-
 /* Return whether the displacements of all nodes at x_{n+1}, in each direction, are within the
  * limit. */
 static int nodes_keep_limit(const March *m)
@@ -436,8 +424,6 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
     *touching = 0;
     place_nodes(m, turned);
     const double *recess = recess_at(m->stage.rotor, m->stage.closure, later, f);
-    if (nodes->growth.rows > 0)
-        recess = grown_recess(m, recess);
     if (!find_node_gaps(m, recess))
         return 0;
     for (int64_t i = 0; i < s->force.rows * s->force.columns; i++)

@@ -74,12 +74,6 @@ static void set_speed(const Speed *s, double speed)
     }
 }
 
-/* Return Omega^4 - base^4 from Omega^2 - base^2. */
-static inline double fourth(const Speed *s, double square)
-{
-    return square * (square + 2.0 * s->base * s->base);
-}
-
 /* Compute the rotation in a step at constant speed. */
 static void rotate_steadily(March *m, int64_t step)
 {

@@ -378,12 +378,9 @@ class CentralDifference:
         force = records.force[:written].reshape(written, copies, components)
         moved = motion.reshape(written, copies, modes) @ nodes.columns
         change, compliance = self._problem.change, nodes.compliance
-        if change is not None and change.ends is not None:
+        if change is not None and change.compliance is not None:
             time = records.step[:written] * self._time_step
-            speed, rate = change.course.speed(time), change.course.acceleration(time)
-            compliance, growth = change.ends.at(speed)
-            by = [speed**2 - self._problem.speed**2, rate]
-            moved = moved + np.einsum("kr,rkci->rci", by, growth)
+            compliance = change.compliance.at(change.course.speed(time))
         if nodes.massless:
             each = "rcij" if compliance.ndim > nodes.compliance.ndim else "cij"
             moved = moved + np.einsum(f"rcj,{each}->rci", force, compliance)

@@ -31,17 +31,11 @@ def pack_nodes(problem: ContactProblem, dt: float) -> Struct | None:
         columns=np.ascontiguousarray(contact.T),
         normal=np.ascontiguousarray(rotor.tip_radial.T),
         compliance=np.ascontiguousarray(compliance),
-        growth=np.zeros((0, 0)) if nodes.growth is None else _normal_growth(nodes.growth),
         radius=np.asarray(nodes.radius, dtype=np.float64),
         response=np.ascontiguousarray(response),
         massless=float(nodes.compliance is not None),
         full=float(problem.sliding == "full"),
     )
-
-
-def _normal_growth(growth: FloatArray) -> FloatArray:
-    """Return the growth of all nodes normal to the wall, (2, nodes)."""
-    return np.ascontiguousarray(growth[:, :, 0::DIRECTIONS].reshape(len(growth), -1))
 
 
 def pack_node_coating(problem: ContactProblem) -> Struct | None:

@@ -61,7 +61,8 @@ def pack_speed(
         copies = np.repeat(change.coriolis[None], len(change.factor), axis=0)
         coriolis = modal_matrix(copies, arrangement)
     factors = [
-        (load.order, load.constant, load.by_square, load.by_acceleration) for load in problem.loads
+        (load.order, load.constant, load.by_square, load.by_fourth, load.by_acceleration)
+        for load in problem.loads
     ]
     return Struct(
         "Speed",

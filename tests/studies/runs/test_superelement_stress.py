@@ -105,7 +105,6 @@ def test_stress_of_a_spinning_bar_follows_its_speed(tmp_path: Path) -> None:
     stress = PointStresses(result).at(np.array([0, 2, 3]))
     radius = result["point"].values[:, 0]
     expected = 300.0**2 * 7800.0 * (0.3**2 - radius**2) / 2.0
-    assert np.abs(result["steady_stress_rest"]).max() > 0.0
     for found in stress.reshape(-1, len(radius)):
         assert abs(found - expected).max() < 0.005 * expected.max()
 
