@@ -69,9 +69,10 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
         compliance=_compliance(stage, course, base),
     )
     first = Rotation(0.0, float(course.speed(0.0)), 0.0)
-    pushed = sum(each.amplitude(0.0, first, base) * each.rotor for each in loads)
+    pushed = [each.amplitude(0.0, first, base) * each.rotor for each in loads]
     stiffness = _stiffness(reduced, base, first.speed)
-    moved = np.linalg.solve(stiffness, problem.rotor.by_copy(pushed).T).T / factor[:, None]
+    by_copy = problem.rotor.by_copy(np.sum(pushed, axis=0))
+    moved = np.linalg.solve(stiffness, by_copy.T).T / factor[:, None]
     start = problem.start.rotor + moved.ravel()
     return replace(
         problem,

@@ -113,7 +113,7 @@ typedef struct {
     Vector loss;          /* (loss) damping if equal for cosine and sine: the upper triangle, with
                            * twice the entries off the diagonal; for HALF columns, groups of ROWS
                            * rows, and rows from the first row of the group on */
-    Matrix full_loss;     /* (entries, columns) the upper triangle for all modes of a copy, if damping
+    Matrix full_loss;     /* (entries, copy_wide) the upper triangle for all modes of a copy, if damping
                            * couples columns; otherwise empty */
     IntVector loss_end;   /* (entries) number of entries of each row of `full_loss` up to the last
                            * that is not zero */

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating
 from bladewhirl.solvers.kernel.structs import Struct
 from bladewhirl.solvers.packing.casing import coating_law, nodal_response

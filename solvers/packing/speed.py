@@ -49,7 +49,7 @@ def pack_speed(
     if change.stiffening is not None and change.coriolis is not None:
         low, high = change.course.range
         if problem.drive is not None:  # the range is not known; a polynomial holds beyond it
-            low, high = 0.0, 1.5 * problem.speed
+            low, high = sorted((0.0, 1.5 * problem.speed))
         points = np.linspace(low, high, POINTS)
         if high - low <= EQUAL * abs(problem.speed):
             points = np.array([problem.speed])
