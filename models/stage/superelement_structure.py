@@ -23,7 +23,6 @@ from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     Root,
     root_at_rest,
-    root_on_shapes,
 )
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.models.superelements.wheel import WheelOverSpeeds, massless_wheel, whole_wheel
@@ -109,8 +108,6 @@ def damping_root(case: Case, at_rest: Superelement, omega: float) -> Root | None
     """
     if case.rotation.effects != "full":
         return None
-    if case.reduction.boundary != "massless":
-        return root_on_shapes(assembled(case, at_rest))
     key = f"{structure_key(case)} {range_of(omega)} {at_rest.size}"
     return remembered(_roots, key, lambda: root_at_rest(assembled(case, at_rest)))
 

@@ -35,16 +35,26 @@ def further(stiffness: Any, mass: Any, shapes: Any, others: Any, limit: float) -
         others: lowest modes with another stiffness, and static displacements, (n, others).
         limit: highest frequency of the further modes [rad/s].
     """
-    own = np.sqrt(np.einsum("nm,nm->m", others.conj(), mass @ others).real)
-    others = others[:, own > 0.0] / own[own > 0.0]
+    others = scaled(mass, others)
     for _ in range(2):  # the second time for rounding errors
         others = others - shapes @ (shapes.conj().T @ (mass @ others))
-    squares, turn = la.eigh(others.conj().T @ (mass @ others))
-    found = squares > NEW**2
-    others = others @ (turn[:, found] / np.sqrt(squares[found]))
+    others = independent(mass, others)
     squares, turn = la.eigh(others.conj().T @ (stiffness @ others))
     heavier = np.maximum(1.0, squares / limit**2)
     return squares / heavier, others @ turn / np.sqrt(heavier)
+
+
+def independent(mass: Any, fields: Any) -> Any:
+    """Return mass-normalised fields that span given fields but for `NEW`, (n, m)."""
+    squares, turn = la.eigh(fields.conj().T @ (mass @ fields))
+    found = squares > NEW**2
+    return fields @ (turn[:, found] / np.sqrt(squares[found]))
+
+
+def scaled(mass: Any, fields: Any) -> Any:
+    """Return fields with a generalised mass of one, without those that are zero, (n, m)."""
+    own = np.sqrt(np.einsum("nm,nm->m", fields.conj(), mass @ fields).real)
+    return fields[:, own > 0.0] / own[own > 0.0]
 
 
 def stiffest(squares: FloatArray, contact: Any, compliance: Any) -> float:

@@ -26,7 +26,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, absent
-from bladewhirl.models.superelements.further_modes import further, stiffest
+from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
     ReducedStress,
@@ -210,7 +210,8 @@ def consistent(
         fixed_interface_modes: number of fixed-interface modes.
         kept: number of the lowest modes, which have the damping ratio of the structure.
         root: function from shapes to `ReducedSuperelement.root`, if it is needed.
-        others: the structure at other speeds, see `massless`; modes are not added.
+        others: the structure at other speeds, see `massless`; the basis then also has what
+            `massless` adds.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -235,6 +236,10 @@ def consistent(
         basis[inside, : len(boundary)] = -pencil.solve(rows[:, boundary].toarray())
         if fixed_interface_modes:
             basis[inside, len(boundary) :] = _lowest(pencil, fixed_interface_modes)[1]
+    if others:
+        statics = modes_and_static(part, 1, part.loads)[1:]
+        fields = [basis, *statics, *_at_speeds(others, max(fixed_interface_modes, 1))]
+        basis = independent(mass, scaled(mass, np.hstack(fields)))
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
@@ -242,13 +247,8 @@ def consistent(
     # Contact forces act on modes only; the boundary moves as in these under any static load.
     still, loads = np.zeros((part.size, 3 * part.contacts)), part.loads
     rest = np.zeros(loads.shape)
-    if (part.stress_recovery is not None or others) and loads.shape[1]:
+    if part.stress_recovery is not None and loads.shape[1]:
         rest = _static_rest(part, loads, shapes[:, elastic], squares[elastic])
-    if others:
-        fields, limit = [rest, *_at_speeds(others, 1)], float(np.sqrt(squares[-1]))
-        stiff, added = further(stiffness, mass, shapes, np.hstack(fields), limit)
-        rest = rest - added @ (added.T @ loads / stiff[:, None])
-        squares, shapes = np.concatenate([squares, stiff]), np.hstack([shapes, added])
     moved = np.hstack([still, rest])
     return _reduced(part, squares, shapes, moved, compliance, kept, root)
 
