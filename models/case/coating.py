@@ -108,15 +108,18 @@ class Coating(Table):
     tangent_modulus: Stress | None = None
     """Slope of the stress-strain curve above the yield stress [Pa], in place of hardening."""
     elements: Annotated[int, fields.count(8)] | None = None
-    """Number of rods around the casing; by default the smallest number at which a rod is shorter
-    than a quarter of the footprint. With a superelement, each track has this number of rods; a
-    track is the strip at one axial position of contact nodes."""
+    """Number of rods around the casing; by default the smallest multiple of the number of blades at
+    which a rod is shorter than a quarter of the footprint. With another number, blades meet their
+    rods at different places. With a superelement, each track has this number of rods; a track is
+    the strip at one axial position of contact nodes."""
     width: fields.Length | None = None
     """Size out of the plane [m]; the width of casing.wall by default. With a superelement the
-    widths of several tracks follow from the distances between them."""
+    widths of several tracks follow from the distances between them; together they are the distance
+    of the outermost contact nodes."""
     footprint: fields.Length | None = None
     """Arc that a tip, or a contact node of a superelement, covers [m]; by default the thickness of
-    the blade at its tip, or the distance of the contact nodes along the arc."""
+    the blade at its tip; with a superelement the mean thickness of the surface at the tip along the
+    arc, or, without a surface or with several nodes in a track, the distance of the nodes."""
     friction: fields.NumberOrZero | None = None
     """Friction coefficient; contact.friction by default."""
     limit: Annotated[float, fields.number("positive")] = 0.9

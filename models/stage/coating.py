@@ -31,6 +31,10 @@ MISPLACED = 0.01
 """Largest axial distance between a track of a worn profile and the track of the contact nodes,
 divided by the width of the track."""
 
+FACING, NEAR = 0.7, 0.1
+"""A triangle of the surface faces the wall if its normal has at least this radial part, and if it
+is not below the contact nodes by more than this fraction of their axial extent."""
+
 LISTED = 8  #: a message lists all axial positions up to this number of them
 
 
@@ -49,7 +53,7 @@ def wall_coating(stage: Stage) -> WallCoating | None:
     elif not np.isfinite(footprint).all():
         expected = "a length, because the tips are not ends of beams"
         raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
-    strain = _worn(coating, 2.0 * np.pi * radius, footprint)
+    strain = _worn(coating, 2.0 * np.pi * radius, footprint, case.blades)
     return WallCoating(
         strain=strain,
         footprint=footprint,
@@ -97,21 +101,49 @@ def _tip_thickness(stage: Stage) -> FloatArray:
     )
 
 
+def tip_thickness(part: Superelement, blades: int) -> float | None:
+    """Return the mean thickness of the tips along the arc [m]: the area of the surface that faces
+    the wall divided by the axial extent of the contact nodes. None if the file has no such surface,
+    or its contact nodes have one axial position.
+
+    Args:
+        part: superelement with its contact nodes at the edges of the tips.
+        blades: number of its blades.
+    """
+    extent = float(np.ptp(part.contact_position[:, 2]))
+    if part.points is None or part.triangles is None or extent <= SAME * part.contact_radius.max():
+        return None
+    corners = part.points[part.triangles]
+    area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = corners.mean(axis=1)
+    radius = np.hypot(middle[:, 0], middle[:, 1])
+    outward = (area * middle)[:, :2].sum(axis=1) / radius
+    faces = outward > FACING * np.linalg.norm(area, axis=1)
+    faces &= radius > part.contact_radius.min() - NEAR * extent
+    thickness = float(outward[faces].sum()) / (blades * extent)
+    return thickness if thickness > SAME * part.contact_radius.max() else None
+
+
 def node_coating(
-    case: Case, part: Superelement, blade: IntArray, wall_radius: float
+    case: Case,
+    part: Superelement,
+    blade: IntArray,
+    wall_radius: float,
+    thickness: float | None = None,
 ) -> NodeCoating | None:
     """Return the coating of the wall; None if there is none.
 
-    There is a track of rods for each axial position of contact nodes. The widths of the tracks
-    follow from the axial distances between them, the arcs that nodes cover from the distances
-    between neighbours (see `spacing`). Neighbours of a node are the nodes of its blade in the same
-    track, or all nodes of its blade if it is alone in its track.
+    There is a track of rods for each axial position of contact nodes, whose outermost nodes are at
+    the edges of the blades. The widths of the tracks follow from the axial distances between them,
+    see `spacing`. A node covers the arc of the thickness of its blade, or, where its blade has more
+    nodes in its track or no thickness is known, an arc by the distances between neighbours.
 
     Args:
         case: the case.
         part: the superelement.
         blade: blade of each contact node of a copy, (nodes,).
         wall_radius: radius of the wall [m].
+        thickness: what `tip_thickness` returns.
 
     Raises:
         CaseError: contact nodes of a blade are at the same angle, so that no footprint follows, or
@@ -130,7 +162,7 @@ def node_coating(
         along = part.contact_angle * part.contact_radius
         for number in np.unique(blade):
             members = np.flatnonzero(blade == number)
-            footprint[members] = spacing(along[members])
+            footprint[members] = thickness or spacing(along[members])
             for place in np.unique(track[members]):
                 row = members[track[members] == place]
                 if len(row) > 1:
@@ -146,7 +178,7 @@ def node_coating(
         )
         raise CaseError([case_fault(case, "casing.coating.profile", expected)])
     return NodeCoating(
-        strain=_worn(coating, 2.0 * np.pi * wall_radius, footprint, len(axial)),
+        strain=_worn(coating, 2.0 * np.pi * wall_radius, footprint, case.blades, len(axial)),
         axial=axial,
         width=width,
         track=track,
@@ -161,10 +193,13 @@ def _law(coating: Coating) -> dict[str, float]:
     return {"hardening": coating.slope, **{name: getattr(coating, name) for name in names}}
 
 
-def _worn(coating: Coating, around: float, footprint: FloatArray, *tracks: int) -> FloatArray:
+def _worn(
+    coating: Coating, around: float, footprint: FloatArray, blades: int, *tracks: int
+) -> FloatArray:
     """Return the plastic strain of each rod at the start, (*tracks, rods). The default number of
-    rods follows from the circumference `around` of the wall and the arcs that tips cover [m]."""
-    rods = coating.elements or int(PER_FOOTPRINT * around / footprint.min()) + 1
+    rods is the same for each blade; it follows from the circumference `around` of the wall and the
+    arcs that tips cover [m]."""
+    rods = coating.elements or (int(PER_FOOTPRINT * around / footprint.min() / blades) + 1) * blades
     if rods > MOST:
         expected = f"at least {PER_FOOTPRINT * around / MOST:.3g} m, for at most {MOST} rods"
         key, length = "casing.coating.footprint", float(footprint.min())
@@ -177,12 +212,10 @@ def _worn(coating: Coating, around: float, footprint: FloatArray, *tracks: int) 
 
 def spacing(places: FloatArray) -> FloatArray:
     """Return the length that belongs to each place on a line, in the same shape: half of the sum of
-    the distances to both neighbours; at the ends the distance to the only neighbour."""
-    if len(places) < 2:
-        return np.zeros(len(places))
+    the distances to its neighbours, so that all lengths together are the extent of the line."""
     order = np.argsort(places, kind="stable")
     gaps = np.diff(places[order])
-    parts = 0.5 * (np.append(gaps, gaps[-1]) + np.append(gaps[0], gaps))
+    parts = 0.5 * (np.append(gaps, 0.0) + np.append(0.0, gaps))
     return np.asarray(parts[np.argsort(order, kind="stable")])
 
 

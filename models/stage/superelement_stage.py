@@ -20,7 +20,7 @@ from bladewhirl.models.imports.inspection import NEGATIVE
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.stage.coating import node_coating
+from bladewhirl.models.stage.coating import node_coating, tip_thickness
 from bladewhirl.models.stage.cone import in_cone, slopes
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
@@ -92,6 +92,7 @@ class SuperelementStage:
     ring: Ring | None  #: flexible casing; None: a rigid wall
     reduced_at: Callable[[float], ReducedSuperelement]
     """Function that returns the reduction at another speed [rad/s]."""
+    tip_thickness: float | None = None  #: see `coating.tip_thickness`
     frequency_at_rest: float | None = None
     """Reference frequency of the structure at rest [rad/s], if `part` has effects of rotation."""
 
@@ -338,7 +339,9 @@ class SuperelementStage:
     @cached_property
     def coating(self) -> NodeCoating | None:
         """The coating of the wall; None if there is none."""
-        return node_coating(self.case, self.part, self.blade, self.casing_radius)
+        return node_coating(
+            self.case, self.part, self.blade, self.casing_radius, self.tip_thickness
+        )
 
     @cached_property
     def arrays(self) -> StageArrays:
@@ -447,6 +450,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     part, at_rest, omega = structure_of(case), None, 0.0
     factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     shown = np.arange(part.point_count)
+    thickness = tip_thickness(part, table.copies if table.kind == "wheel" else 1)
     if table.kind == "sector":
         fields = case.reduction.free_interface_modes
         if case.rotation.effects != "none":  # those of three speeds
@@ -497,6 +501,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         blade=np.arange(part.contacts) // per_blade,
         reduced_at=lambda speed: reduced_at(speed)[2],
         ring=flexible_ring(case) if ring is None and case.casing.type == "ring" else ring,
+        tip_thickness=thickness,
         frequency_at_rest=at_rest,
     )
     hertz = stage.reference_frequency / (2.0 * np.pi)

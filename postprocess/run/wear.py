@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
-from bladewhirl.models.stage.coating import axial_tracks
+from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.axes import draw_map
@@ -47,7 +47,8 @@ def wear(result: xr.Dataset) -> xr.Dataset:
     Returns:
         Dataset with `recess` [m] over (wear_time, track, rod), the removed depth of the rods of the
         coating at the times of the stored profiles, with the axial position `axial` [m] of each
-        track; over (wear_time, rod) for a single track. Lobes are those of the mean of all tracks.
+        track; over (wear_time, rod) for a single track. Lobes are those of the mean of all tracks,
+        by their widths.
         `lobe_share` [1] over lobes is the share of each harmonic in the variance of the last
         profile that the shape of the wall does not explain, see `lobes_of`; `wear_volume` [m3],
         `wear_dissipated` [J] and `coating_energy` [J] are over time. Attributes: `shape_share`, the
@@ -60,8 +61,7 @@ def wear(result: xr.Dataset) -> xr.Dataset:
     """
     coating = coating_of(result)
     recess = coating.thickness * result["coating_strain"].values
-    rods = recess.shape[-1]
-    shape, share = lobes_of(result, recess[-1].reshape(-1, rods).mean(axis=0))
+    shape, share = lobes_of(result, _mean_of_tracks(result, recess[-1]))
     worn = labelled(
         result,
         "wear of the coating",
@@ -83,9 +83,20 @@ def wear(result: xr.Dataset) -> xr.Dataset:
         metal_time=_metal_time(result),
         thickness=coating.thickness,
     ).assign_coords(angle=("rod", result["rod_angle"].values, {"units": "rad"}))
-    axial, _ = axial_tracks(result["axial_position"].values, result["contact_radius"].values)
+    axial = _axial(result)
     worn = worn.assign_coords(axial=("track", axial, {"units": "m"}))
     return worn.squeeze("track") if len(axial) == 1 else worn
+
+
+def _axial(result: xr.Dataset) -> Array:
+    """Return the axial position of each track [m], (tracks,)."""
+    return axial_tracks(result["axial_position"].values, result["contact_radius"].values)[0]
+
+
+def _mean_of_tracks(result: xr.Dataset, values: Array) -> Array:
+    """Return the mean over all tracks by their widths, (rods,), of values, (tracks, rods)."""
+    weights = spacing(_axial(result)) if len(values) > 1 else None
+    return np.asarray(np.average(values, axis=0, weights=weights))
 
 
 def lobe_shares(recess: Array) -> Array:
@@ -142,13 +153,14 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
     if "coating_strain" not in result:
         return {}
     strain = result["coating_strain"].values[-1]
-    shape, share = lobes_of(result, coating_of(result).thickness * strain.mean(axis=0))
+    mean = _mean_of_tracks(result, strain)
+    shape, share = lobes_of(result, coating_of(result).thickness * mean)
     lobes = _lobes(share)
     metal = _metal_time(result)
     return {
         "wear_volume": float(result["wear_volume"][-1]),
         "wear_strain_max": float(strain.max()),
-        "wear_strain_mean": float(strain.mean()),
+        "wear_strain_mean": float(mean.mean()),
         "wear_dissipated": float(result["wear_dissipated"][-1]),
         "coating_impulse": result["coating_impulse"].sum("time").values.tolist(),
         "shape_share": shape,
@@ -188,8 +200,10 @@ def write_profile(result: xr.Dataset, path: Path) -> None:
 
 def _mean_depth(data: xr.Dataset) -> Array:
     """Return the mean removed depth of all tracks [m], (wear_time, rod)."""
-    recess = data["recess"]
-    return np.asarray((recess.mean("track") if "track" in recess.dims else recess).values)
+    recess = data["recess"].values
+    if recess.ndim < 3:
+        return np.asarray(recess)
+    return np.asarray(np.average(recess, axis=1, weights=spacing(data["axial"].values)))
 
 
 @styled

@@ -99,7 +99,7 @@ OF_SUPERELEMENT = (
     Column("coating.tracks", "tracks of the coating", "d"),
     Column("coating.rods", "rods of each track", "d"),
     Column("coating.footprint", "arc under a contact node [mm]", ".3g", 1e3),
-    Column("coating.width", "width of a track [mm]", ".3g", 1e3),
+    Column("coating.width", "width of all tracks [mm]", ".3g", 1e3),
     *MARCH,
 )
 """Columns of the properties of a superelement."""

@@ -211,8 +211,8 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
     coating: dict[str, Any] = {}
     if layer is not None:
         tracks, rods = layer.strain.shape
-        coating = {"tracks": tracks, "rods": rods}
-        coating |= {name: float(getattr(layer, name).min()) for name in ("footprint", "width")}
+        coating = {"tracks": tracks, "rods": rods, "footprint": float(layer.footprint.min())}
+        coating["width"] = float(np.sum(layer.width))
     return {
         "superelement": stage.part.name,
         "source": stage.part.source,

@@ -1,0 +1,77 @@
+"""Worn volume, impulse and dissipated energy do not depend on how a tip is divided."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from solid_meshes import STEEL, cantilever
+from symmetric_cases import marched
+
+import bladewhirl as bw
+from bladewhirl.models.stage.coating import tip_thickness
+from bladewhirl.models.stage.superelement_stage import superelement_stage
+
+LAYER = {"thickness": 1.5e-3, "young_modulus": 3e8, "yield_stress": 2e6, "hardening": 2e7}
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("parts")
+    for contacts in (2, 3, 5):
+        part = bw.mesh3d(cantilever("hexahedron20", (4, 4, 1)), **STEEL, contacts=contacts)
+        bw.write_superelement(folder / f"{contacts}.npz", part)
+    return folder
+
+
+def case(parts: Path, contacts: int = 3, copies: int = 1, **changes: Any) -> dict[str, Any]:
+    table = {"file": str(parts / f"{contacts}.npz"), "copies": copies}
+    casing = {"type": "rigid", "clearance": 1e-4}
+    casing |= {"clearance_lobes": [{"lobes": 2, "amplitude": 9e-5}]}
+    casing |= {"closure": {"amount": 1e-4, "time_constant": 2e-3}, "coating": LAYER | changes}
+    return {
+        "bladed_disk": {"superelement": table},
+        "reduction": {"free_interface_modes": 6},
+        "casing": casing,
+        "contact": {"friction": 0.0},
+        "damping": {"ratio": 0.01},
+        "march": {"speed": "600 rad/s", "time_step": 1e-6, "duration": 8e-3, "record_step": 1e-4},
+    }
+
+
+def measures(given: dict[str, Any]) -> list[float]:
+    """Volume [m3], normal impulse [N s] and dissipated energy [J]."""
+    result = marched(given)
+    sums = result["contact_impulse"].values.sum()
+    return [float(result[name][-1]) for name in ("wear_volume", "wear_dissipated")] + [float(sums)]
+
+
+@pytest.mark.parametrize("changes", [{}, {"footprint": 3e-3}])
+def test_wear_does_not_depend_on_the_number_of_contact_nodes(parts: Path, changes: Any) -> None:
+    two, three, five = (measures(case(parts, n, **changes)) for n in (2, 3, 5))
+    assert min(three) > 0.0
+    assert three == pytest.approx(five, rel=0.01)
+    assert two == pytest.approx(five, rel=0.03)
+
+
+def test_wear_does_not_depend_on_the_number_of_rods(parts: Path) -> None:
+    one = measures(case(parts))
+    assert measures(case(parts, elements=3000)) == pytest.approx(one, rel=0.02)
+
+
+def test_tracks_are_as_wide_and_footprints_as_long_as_the_tip(parts: Path) -> None:
+    """A tip of 30 x 5 mm, staggered by 30 degrees."""
+    for contacts in (2, 3, 5):
+        coating = superelement_stage(bw.case_from(case(parts, contacts))).coating
+        assert coating is not None
+        assert coating.width.sum() == pytest.approx(0.015)
+        assert coating.footprint == pytest.approx(np.full(contacts, 0.01), rel=1e-3)
+    part = bw.read_superelement(parts / "3.npz")
+    assert tip_thickness(part, 1) == pytest.approx(0.01, rel=1e-3)
+
+
+@pytest.mark.parametrize("copies", [2, 7])
+def test_the_number_of_rods_is_the_same_for_each_blade(parts: Path, copies: int) -> None:
+    coating = superelement_stage(bw.case_from(case(parts, copies=copies))).coating
+    assert coating is not None
+    assert coating.strain.shape[1] % copies == 0
