@@ -162,7 +162,7 @@ def static_response(stage: SuperelementStage) -> tuple[FloatArray, FloatArray]:
     """Return the displacement of each contact node normal to the wall, per normal and per
     tangential force on it [m/N], (nodes,) each; empty for a structure with rigid modes."""
     reduced = stage.reduced
-    squares = reduced.frequency**2
+    squares = reduced.squares
     if squares.min() <= rigid_limit(stage.part):
         return np.zeros(0), np.zeros(0)
     # The modes and the residual flexibility together are statically exact.

@@ -91,7 +91,7 @@ def unbalance_to_touch(stage: Stage, speed: float, along: FloatArray | None = No
         loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
         along = unit(_unbalance_vector(stage, loads))
     if stage.turning is None:
-        outward = rotor.tip_radial @ ((along @ rotor.centre) / rotor.frequency**2)
+        outward = rotor.tip_radial @ ((along @ rotor.centre) / rotor.stiffness)
     else:
         outward = sum(along[axis] * stage.turning.tip_answer(axis, speed) for axis in (X, Y))
     recess = tip_recess(stage.case, stage.disk, stage.turning, speed)

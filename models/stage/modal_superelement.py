@@ -192,7 +192,7 @@ class ModalSuperelement(ModalModel):
         if UNKNOWN in self.blocks:
             raise UserError(UNEQUAL_SECTORS)
         reduced = stage.reduced
-        static = (reduced.contact / reduced.frequency**2) @ reduced.contact.T + reduced.compliance
+        static = (reduced.contact / reduced.squares) @ reduced.contact.T + reduced.compliance
         static = compliance_in_wall_axes(static, slope)[::3, ::3]
         found, one = {}, self._table.kind == "blade"
         copies = 1 if one else self._table.copies
@@ -405,7 +405,7 @@ def modal_superelement(
 def _at_rest(stage: SuperelementStage) -> tuple[ReducedSuperelement, FloatArray]:
     """Return the reduction of a stage at its speed, and its stiffness at rest."""
     reduced, omega = stage.reduced, stage.speed
-    stiffness = np.diag(reduced.frequency**2)
+    stiffness = np.diag(reduced.squares)
     if reduced.stiffness_speed is not None and stage.case.rotation.effects != "none":
         stiffness = stiffness - reduced.change(omega)
     return reduced, stiffness

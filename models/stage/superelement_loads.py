@@ -124,7 +124,7 @@ def static_shapes(
         assert table is not None
         rows = np.vstack([rows, centre_rows(reduced, table.angle)])
         values = np.column_stack([values, np.tile(centre, (copies, 1))])
-    flexible = rows / reduced.frequency**2
+    flexible = rows / reduced.squares
     forces = np.linalg.lstsq(flexible @ rows.T, values.T, rcond=RANK)[0]
     moved = np.asarray(forces.T @ flexible)
     if np.abs(moved @ rows.T - values).max() > SAME * np.abs(values).max():

@@ -48,7 +48,7 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
     assert reduced.stiffness_speed is not None
     assert reduced.gyroscopic is not None
     coriolis, (load, euler) = 0.5 * reduced.gyroscopic, reduced.loads
-    steady = base**2 * load / reduced.frequency**2
+    steady = base**2 * load / reduced.squares
     patterns = {
         "by_square": np.tile(load - reduced.stiffness_speed @ steady, len(factor)),
         "by_acceleration": (euler - coriolis @ steady / factor[:, None]).ravel(),
@@ -85,7 +85,7 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
 def _stiffness(reduced: ReducedSuperelement, base: float, omega: float) -> FloatArray:
     """Return the stiffness at a speed on the modes at the speed `base` [1/s2], (modes, modes)."""
     change = reduced.change(omega) - reduced.change(base)
-    return np.asarray(np.diag(reduced.frequency**2) + change)
+    return np.asarray(np.diag(reduced.squares) + change)
 
 
 def _compliance(
@@ -108,7 +108,7 @@ def _compliance(
     for speed in speeds.tolist():
         at_speed, modes = stage.reduced_at(speed), reduced.contact
         by_modes = modes @ np.linalg.solve(_stiffness(reduced, base, speed), modes.T)
-        static = (at_speed.contact / at_speed.frequency**2) @ at_speed.contact.T
+        static = (at_speed.contact / at_speed.squares) @ at_speed.contact.T
         static = static + at_speed.compliance - by_modes
         compliance.append(compliance_in_wall_axes(0.5 * (static + static.T), stage.slope) / factor)
     return ComplianceOverSpeeds(speeds=speeds, compliance=np.array(compliance))

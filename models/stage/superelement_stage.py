@@ -63,6 +63,7 @@ from bladewhirl.models.superelements.reduction import (
 )
 from bladewhirl.models.superelements.superelement import (
     COMPONENTS,
+    IndefiniteError,
     Superelement,
     SuperelementError,
 )
@@ -250,7 +251,7 @@ class SuperelementStage:
             return size
         assert load.clearance_speed is not None  # a case has one key for the unbalance
         force = direction(load, self.blade_angle) @ rotor.centre
-        outward = rotor.at_tips(rotor.tip_radial, force / rotor.frequency**2)
+        outward = rotor.at_tips(rotor.tip_radial, force / rotor.stiffness)
         gap = self.wall.clearance[:, 0].min() + rotor.tip_recess
         speed = load.clearance_speed.rad_per_s(self.reference_frequency)
         return closing_unbalance(outward, gap, speed)
@@ -475,8 +476,8 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     try:
         given, part, reduced = reduced_at(omega, others=_other_speeds(case, at_rest))
     except SuperelementError as error:
-        if at_rest is not None:
-            expected = "a speed below the lowest critical speed, at which the stiffness is lost"
+        if at_rest is not None and isinstance(error, IndefiniteError):
+            expected = "a speed at which the structure keeps its stiffness in spite of the rotation"
             raise CaseError([case_fault(case, "march.speed", expected)]) from None
         text = str(error).removeprefix("expected ")
         raise CaseError([case_fault(case, key, text)]) from None

@@ -24,7 +24,11 @@ from bladewhirl.models.superelements.reduction import (
     Root,
     root_at_rest,
 )
-from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import (
+    IndefiniteError,
+    Superelement,
+    SuperelementError,
+)
 from bladewhirl.models.superelements.wheel import WheelOverSpeeds, massless_wheel, whole_wheel
 
 LARGE = 2000
@@ -165,7 +169,7 @@ def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Su
     held = part if part.centre_dofs is None else on_springs(case, part)
     try:
         small = condensed(held, highest, modes)
-    except SuperelementError:  # indefinite at the highest speed: reduced at each speed by itself
+    except IndefiniteError:  # at the highest speed: reduced at each speed by itself
         return part
     return small if part.centre_dofs is None else on_springs(case, small, -1.0)
 

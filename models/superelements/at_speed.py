@@ -46,4 +46,9 @@ def at_speed(part: Superelement, omega: float, *, coriolis: bool) -> Superelemen
         terms.append(omega**4 * part.stiffness_speed4)
     together = all(sp.issparse(term) for term in terms)
     stiffness = sp.csr_array(sum(terms)) if together else sum(map(dense, terms))
-    return replace(part, stiffness=stiffness, gyroscopic=part.gyroscopic if coriolis else None)
+    return replace(
+        part,
+        stiffness=stiffness,
+        gyroscopic=part.gyroscopic if coriolis else None,
+        softening=0.0 if part.centre_dofs is None else omega**2,
+    )

@@ -25,7 +25,12 @@ from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     root_of,
 )
-from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    IndefiniteError,
+    Superelement,
+    SuperelementError,
+)
 
 SEPARATE = (
     "blade_stiffness: expected the stiffness of {0} blades that are not connected with each other,"
@@ -154,7 +159,7 @@ def stiffened(
     """
     squares, turn = la.eigh(np.diag(reduced.frequency**2) + change)
     if not squares[0] > 0.0:
-        raise SuperelementError(RIGID_SECTOR)
+        raise IndefiniteError(RIGID_SECTOR)
     stress = reduced.stress
     assert reduced.root is not None
     kept, rest = turn[:, :modes], reduced.contact @ turn[:, modes:]

@@ -35,6 +35,7 @@ from bladewhirl.models.superelements.stresses import (
     reduced_stress,
 )
 from bladewhirl.models.superelements.superelement import (
+    IndefiniteError,
     Matrix,
     Superelement,
     SuperelementError,
@@ -55,6 +56,10 @@ STIFF = (
     " rigid ones"
 )
 
+FEW = 8
+"""Number of modes that are computed with static displacements alone; among them are all that the
+rotation of a wheel makes unstable."""
+
 ALL_MODES = 2500  #: largest number of coordinates of which all modes are computed for the damping
 
 RIGID_SECTOR = "expected a sector without rigid modes and with a stiffness that is not indefinite"
@@ -67,7 +72,8 @@ FURTHER = ("damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
 class ReducedSuperelement:
     """A superelement in mass-normalised modal coordinates."""
 
-    frequency: FloatArray  #: natural frequency of each mode [rad/s], (modes,)
+    frequency: FloatArray
+    """Natural frequency of each mode [rad/s], (modes,); negative if its square is negative."""
     contact: FloatArray
     """Radial, tangential and axial displacements of the contact nodes for unit modal coordinates
     [kg^-1/2], (3c, modes)."""
@@ -109,6 +115,11 @@ class ReducedSuperelement:
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""
 
+    @property
+    def squares(self) -> FloatArray:
+        """Squared frequencies with their signs [rad2/s2], (modes,)."""
+        return self.frequency * np.abs(self.frequency)
+
     def change(self, omega: float) -> FloatArray:
         """Return the change of the stiffness by rotation at a speed [rad/s] [1/s2], (modes,
         modes), of a structure that has `stiffness_speed`."""
@@ -149,7 +160,7 @@ def massless(
     loads = load_columns(part, dense(rows).T)
     squares, shapes, moved = modes_and_static(part, modes, loads)
     check_count(len(squares), modes)
-    elastic = squares > rigid_limit(part)
+    elastic = np.abs(squares) > rigid_limit(part)
     kept = rows @ shapes[:, elastic]
     compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
     compliance = 0.5 * (compliance + compliance.T)
@@ -160,7 +171,7 @@ def massless(
         moved = moved - added @ (added.T @ loads / stiff[:, None])
         compliance = compliance - (rows @ added / stiff) @ (rows @ added).T
         squares, shapes = np.concatenate([squares, stiff]), np.hstack([shapes, added])
-        elastic = squares > rigid_limit(part)
+        elastic = np.abs(squares) > rigid_limit(part)
         kept = rows @ shapes[:, elastic]
     static = np.diag(compliance)[::3] + ((kept**2) @ (1.0 / squares[elastic]))[::3]
     if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * static.max():
@@ -172,11 +183,15 @@ def massless(
 
 
 def _at_speeds(others: Sequence[Superelement], modes: int) -> Iterator[FloatArray]:
-    """Yield the lowest modes of the first structure, one mode of the others, and the static
+    """Yield the lowest modes of the first structure, a few modes of the others, and the static
     displacements by the loads of the rotation of all, (n, fields)."""
     for each in others:
-        yield from modes_and_static(each, modes, each.loads)[1:]
-        modes = 1
+        yield from modes_and_static(each, max(modes, _few(each)), each.loads)[1:]
+        modes = 0
+
+
+def _few(part: Superelement) -> int:
+    return min(FEW, part.size - 1)
 
 
 def check_count(found: int, modes: int) -> None:
@@ -237,8 +252,8 @@ def consistent(
         if fixed_interface_modes:
             basis[inside, len(boundary) :] = _lowest(pencil, fixed_interface_modes)[1]
     if others:
-        statics = modes_and_static(part, 1, part.loads)[1:]
-        fields = [basis, *statics, *_at_speeds(others, max(fixed_interface_modes, 1))]
+        statics = modes_and_static(part, _few(part), part.loads)[1:]
+        fields = [basis, *statics, *_at_speeds(others, fixed_interface_modes)]
         basis = independent(mass, scaled(mass, np.hstack(fields)))
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
@@ -257,8 +272,8 @@ def _static_rest(
     part: Superelement, loads: FloatArray, shapes: FloatArray, squares: FloatArray
 ) -> FloatArray:
     """Return the static displacements under loads [N], without their part in modes, (n, loads)."""
-    _, lowest, moved = modes_and_static(part, 1, loads)
-    whole = moved + lowest @ (lowest.T @ loads) / squares[0]
+    own, lowest, moved = modes_and_static(part, _few(part), loads)
+    whole = moved + lowest @ (lowest.T @ loads / own[:, None])
     return np.asarray(whole - shapes @ (shapes.T @ loads / squares[:, None]))
 
 
@@ -284,7 +299,7 @@ def _reduced(
     }
     return ReducedSuperelement(
         **matrices,
-        frequency=np.sqrt(np.maximum(squares, 0.0)),
+        frequency=np.sign(squares) * np.sqrt(np.abs(squares)),
         contact=part.contact_rows @ shapes,
         compliance=compliance,
         centre=centre,
@@ -292,7 +307,7 @@ def _reduced(
         points_by_force=lambda sums: np.asarray(sums @ by_force),
         strains=np.asarray(rows["strains"] @ shapes),
         strains_by_force=np.asarray(rows["strains"] @ moved[:, : 3 * part.contacts])[None],
-        stress=reduced_stress(part, squares, shapes, moved, squares > rigid_limit(part)),
+        stress=reduced_stress(part, squares, shapes, moved, np.abs(squares) > rigid_limit(part)),
         loads=part.loads.T @ shapes,
         root=None if root is None else root(shapes),
         kept=kept,
@@ -362,14 +377,14 @@ def modes_and_static(
     try:
         return squares, shapes, pencil.static(loads, shapes)
     except la.LinAlgError:
-        raise SuperelementError(STIFF) from None
+        raise IndefiniteError(STIFF) from None
 
 
 def _factorised(stiffness: Matrix, mass: Matrix, shift: float) -> MatrixPencil:
     try:
         return MatrixPencil(stiffness, mass, shift)
     except la.LinAlgError:
-        raise SuperelementError(STIFF) from None
+        raise IndefiniteError(STIFF) from None
 
 
 def _lowest(pencil: MatrixPencil, count: int) -> tuple[FloatArray, FloatArray]:
@@ -380,16 +395,17 @@ def _lowest(pencil: MatrixPencil, count: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _check_definite(part: Superelement, squares: FloatArray) -> None:
-    if squares[0] < -rigid_limit(part):
-        raise SuperelementError(
+    if squares[0] < -rigid_limit(part) - part.softening:
+        raise IndefiniteError(
             "stiffness: expected a matrix that is not indefinite; the lowest squared frequency is"
             f" {squares[0]:.4g} rad2/s2"
         )
 
 
 def small_shift(part: Superelement) -> float:
-    """Return the shift of `solver` that allows rigid modes [rad2/s2]."""
-    return 1e3 * rigid_limit(part)
+    """Return the shift of `solver` that allows rigid modes, and the softening of a wheel
+    [rad2/s2]."""
+    return 1e3 * rigid_limit(part) + part.softening
 
 
 def rigid_limit(part: Superelement) -> float:

@@ -23,7 +23,12 @@ from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.reduction import small_shift
 from bladewhirl.models.superelements.solver import LARGE, Pencil, announce
-from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import (
+    FIXED,
+    IndefiniteError,
+    Superelement,
+    SuperelementError,
+)
 
 Found = TypeVar("Found")
 
@@ -38,7 +43,9 @@ def sector_errors(stiffness: str) -> Iterator[None]:
     try:
         yield
     except la.LinAlgError as error:
-        raise SuperelementError(str(error) if "mass" in str(error) else stiffness) from None
+        if "mass" in str(error):
+            raise SuperelementError(str(error)) from None
+        raise IndefiniteError(stiffness) from None
 
 
 class Sector:

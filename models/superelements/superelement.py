@@ -31,6 +31,10 @@ class SuperelementError(UserError):
     """Error in a superelement; each argument is a fault in one line."""
 
 
+class IndefiniteError(SuperelementError):
+    """The stiffness is not positive definite, at rest or at a speed."""
+
+
 @contextmanager
 def errors_of(source: object) -> Iterator[None]:
     """Add the name of a file or a program to each line of the errors raised in this context."""
@@ -92,6 +96,10 @@ class Superelement:
     speed: float | None = None
     """Speed of rotation to which the stiffness belongs [rad/s]; None if it is unknown. 0 with
     stiffness_speed."""
+    softening: float = 0.0
+    """Stiffness plus this number times mass is positive definite [rad2/s2]. It is the square of the
+    speed of a wheel that rotates, whose stiffness is indefinite above its first critical speed;
+    files do not contain it."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
     points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)

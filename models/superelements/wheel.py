@@ -36,6 +36,7 @@ from bladewhirl.models.superelements.superelement import (
     FIXED,
     LOADS,
     RECOVERIES,
+    IndefiniteError,
     Superelement,
     SuperelementError,
 )
@@ -285,7 +286,7 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
     squares, shapes = wave.lowest(modes)
     check_count(len(squares), modes)
     if not squares[0] > rigid_limit(part):
-        raise SuperelementError(RIGID_SECTOR)
+        raise IndefiniteError(RIGID_SECTOR)
     forces = (part.contact_rows @ wave.tie).conj().T.toarray()
     moved = wave.static(forces, shapes)
     residual = forces.conj().T @ moved
@@ -336,7 +337,7 @@ def _of_block(
     squares, shapes = la.eigh(stiffness)
     check_count(len(squares), modes)
     if not squares[0] > 0.0:
-        raise SuperelementError(RIGID_SECTOR)
+        raise IndefiniteError(RIGID_SECTOR)
     rest, stiff = shapes[:, modes:], squares[modes:]
     shapes, squares = shapes[:, :modes], squares[:modes]
     touched = block.contact @ rest

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.linalg as la
 from exported_stages import beams, exported
 from solid_meshes import STEEL, TIE, bladed_sector, cantilever
 
@@ -290,3 +291,75 @@ def test_friction_on_blades_changes_its_sign_with_the_speed(tmp_path: Path) -> N
         normal, tangential = force[chosen, :, 0], force[chosen, :, 1]
         assert (normal < 0.0).any()
         np.testing.assert_allclose(tangential, -0.05 * sign * normal, atol=1e-9)
+
+
+SUPERCRITICAL = {"time_step": 5e-7, "duration": "18 ms", "displacement_limit": 1.0}
+
+
+@pytest.mark.parametrize(
+    "march",
+    [
+        {"speed": "900 rad/s"},
+        {"run_up": {"from": "500 rad/s", "to": "800 rad/s", "start": "1 ms", "end": "10 ms"}},
+        {"run_up": {"from": "900 rad/s", "to": "500 rad/s", "start": "1 ms", "end": "10 ms"}},
+    ],
+)
+def test_a_wheel_runs_above_its_first_critical_speed(tmp_path: Path, march: Any) -> None:
+    """The stiffness of a wheel that spins fast is indefinite; the motion is that of the beams."""
+    tables: dict[str, Any] = {"excitation": {"type": "imbalance", "unbalance": 4e-3, "ramp": 0.0}}
+    case = beams(
+        rotation={"effects": "full"},
+        casing={"elements": 20, "support": 7.975e6, "clearance": 1e-4},
+        reduction={"fixed_interface_modes": 35},
+        march=SUPERCRITICAL | march,
+        **tables,
+    )
+    tables |= {"damping": {"boundary_ratio": case.damping.ratio}}
+    wheel = exported(case, "wheel", tmp_path, reduction={"boundary": "consistent"}, **tables)
+    assert superelement_stage(wheel).reduced.squares[0] < 0.0
+    one, other = (march_in_memory(prepare(each))[0] for each in (case, wheel))
+    assert one["contact_impulse"].values.sum() > 0.0
+    gap, found = one["gap"].values, other["gap"].values
+    assert np.abs(found.reshape(gap.shape) - gap).max() < 1e-7 * np.ptp(gap)
+
+
+def test_a_wheel_with_massless_ends_has_its_frequencies_above_its_critical_speed(
+    tmp_path: Path,
+) -> None:
+    case = given(march={"speed": "900 rad/s", "time_step": 1e-6})
+    wheel = solid(case, tmp_path, "massless", free_interface_modes=20)
+    stage = superelement_stage(wheel)
+    part: Any = bw.read_superelement(stage.table.file)
+    stiffness = dense(at_speed(part, 900.0, coriolis=True).stiffness)
+    stiffness[part.centre_dofs, part.centre_dofs] += stage.case.shaft.stiffnesses
+    exact = la.eigh(stiffness, dense(part.mass), eigvals_only=True)[:20]
+    assert exact[1] < 0.0 < exact[2]
+    np.testing.assert_allclose(stage.reduced.squares, exact, rtol=1e-7)
+    static = part.contact_rows @ np.linalg.solve(stiffness, part.contact_rows.T.toarray())
+    modes, rest = stage.reduced.contact, stage.reduced.compliance
+    found = (modes / stage.reduced.squares) @ modes.T + rest
+    np.testing.assert_allclose(found, static, atol=1e-9 * np.abs(static).max())
+
+
+def test_too_many_modes_are_named_at_speed_too(tmp_path: Path) -> None:
+    case = given(march={"speed": 0.6, "time_step": 1e-6})
+    with pytest.raises(CaseError, match=r"reduction\.free_interface_modes = 60.*expected") as error:
+        superelement_stage(solid(case, tmp_path, "massless", free_interface_modes=60))
+    assert "march.speed" not in str(error.value)
+
+
+def test_a_blade_that_loses_its_stiffness_is_refused_by_its_speed(tmp_path: Path) -> None:
+    part = bw.mesh3d(cantilever("hexahedron20", (3, 1, 1)), **STEEL, coriolis=True)
+    soft = replace(part, stiffness_speed=-1.0 * part.mass, stiffness_speed4=None)
+    bw.write_superelement(tmp_path / "soft.npz", soft)
+    tables = {
+        "bladed_disk": {"superelement": {"file": str(tmp_path / "soft.npz")}},
+        "rotation": {"effects": "full"},
+        "casing": {"type": "rigid"},
+        "march": {"speed": 1.2, "time_step": 1e-7},
+        "reduction": {"free_interface_modes": 5},
+    }
+    with pytest.raises(CaseError, match=r"march\.speed = 1\.2.*keeps its stiffness"):
+        superelement_stage(bw.case_from(tables))
+    tables["march"] = {"speed": 0.9, "time_step": 1e-7}
+    assert superelement_stage(bw.case_from(tables)).reduced.squares[0] > 0.0
