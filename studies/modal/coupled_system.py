@@ -154,19 +154,21 @@ def couple(
             "stability: a chart requires constant coefficients in some frame, but"
             f" {', '.join(obstacles)}; {options} compute a single point"
         )
-    effects = modal.case.rotation.effects
+    effects, shaft = modal.case.rotation.effects, modal.case.shaft
+    even = shaft.clamped or len({*shaft.stiffnesses}) == len({*shaft.dampings}) == 1
+    uneven = "blades differ" if even else "the springs or dampers of the shaft are unequal"
     if effects != "none" and (obstacles or not one_each):
         raise UserError(
             "stability: expected equal blades, equal shaft springs and an axisymmetric casing"
             f' for rotation.effects = "{effects}"; here'
-            f" {', '.join(obstacles or ('blades differ',))}"
+            f" {', '.join(obstacles or (uneven,))}"
         )
     if one_each and not obstacles:
         return couple_even(modal, modes=modes, damped=damped, with_pi=with_pi, physical=physical)
     if not (physical or one_each):
         raise UserError(
             "stability: expected --physical (in Python physical=True) where blades differ or"
-            " the casing is uneven; by default all modes get the same amplitude, which requires"
+            " shaft or casing are uneven; by default all modes get the same amplitude, which requires"
             " that each mode has a single nodal diameter"
         )
     try:

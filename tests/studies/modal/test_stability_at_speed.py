@@ -186,6 +186,21 @@ def test_unlike_blades_with_rotation_are_refused() -> None:
         bw.stability(case, speed=1.0, kappa=100.0, physical=True)
 
 
+@pytest.mark.parametrize(
+    "shaft",
+    [{"stiffness": 2e7, "stiffness_y": 2.5e7}, {"stiffness": 2e7, "damping": 10, "damping_y": 20}],
+)
+def test_an_unequal_shaft_with_rotation_is_named(shaft: dict[str, float]) -> None:
+    """Its springs turn with the rotor, so that they split the modes of equal blades."""
+    disk = {"blades": 7, "elements_per_blade": 2}
+    tables = {"bladed_disk": disk, "rotation": {"effects": "full"}, "shaft": shaft}
+    case = bw.case_from(tables | {"casing": {"support": 8e6}})
+    with pytest.raises(UserError, match="shaft are unequal|dampers at points"):
+        bw.stability(case, speed=1.0, kappa=100.0, damped=True)
+    equal = bw.case_from(tables | {"shaft": {"stiffness": 2e7}, "casing": {"support": 8e6}})
+    bw.stability(equal, speed=1.0, kappa=100.0)
+
+
 SPEEDS, KAPPAS = np.linspace(0.9, 1.4, 5), np.linspace(0.0, 1000.0, 3)
 
 
