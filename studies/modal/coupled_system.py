@@ -168,8 +168,8 @@ def couple(
     if not (physical or one_each):
         raise UserError(
             "stability: expected --physical (in Python physical=True) where blades differ or"
-            " shaft or casing are uneven; by default all modes get the same amplitude, which requires"
-            " that each mode has a single nodal diameter"
+            " shaft or casing are uneven; by default all modes get the same amplitude, which"
+            " requires that each mode has a single nodal diameter"
         )
     try:
         equations = coupled_waves(modal, modes=modes, damped=damped, physical=physical)

@@ -195,7 +195,7 @@ def test_an_unequal_shaft_with_rotation_is_named(shaft: dict[str, float]) -> Non
     disk = {"blades": 7, "elements_per_blade": 2}
     tables = {"bladed_disk": disk, "rotation": {"effects": "full"}, "shaft": shaft}
     case = bw.case_from(tables | {"casing": {"support": 8e6}})
-    with pytest.raises(UserError, match="shaft are unequal|dampers at points"):
+    with pytest.raises(UserError, match=r"shaft are unequal|dampers at points"):
         bw.stability(case, speed=1.0, kappa=100.0, damped=True)
     equal = bw.case_from(tables | {"shaft": {"stiffness": 2e7}, "casing": {"support": 8e6}})
     bw.stability(equal, speed=1.0, kappa=100.0)
