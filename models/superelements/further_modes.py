@@ -16,7 +16,7 @@ FLEXIBLE = 1e-6
 """A direction of the residual flexibility counts as rigid if its eigenvalue is at most this
 fraction of the largest."""
 
-NEW = 1e-6
+NEW = 1e-5
 """A mode with another stiffness adds a motion if at least this share of its amplitude is new."""
 
 

@@ -6,10 +6,9 @@
 
 #include <stddef.h>
 
-#include "rods.h"
+#include "pieces.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
-enum { MOST_NEWTON = 60 };      /* iterations of the forces of a coating */
 #define SAME_DIRECTION 1e-10    /* change of the direction of sliding at which iterations end */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
 
@@ -147,80 +146,11 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
     return most;
 }
 
-/* Compute the forces of metal and coating on a group, for given directions of sliding, and their
- * gaps; see `rods.h`. Returns 0 without a solution. */
-static int solve_coated(const March *m, int64_t size)
-{
-    NodeScratch *s = &m->scratch->nodes;
-    RodScratch *r = &m->scratch->rods;
-    int64_t wide = size + 1, solved = 0;
-    const double *w = s->response.at;
-    double scale = m->stage.numbers->gap_scale;
-    for (int64_t i = 0; i < size; i++)
-        scale = larger(scale, fabs(s->gap.at[i]));
-    double share = 1.0, last = INFINITY; /* of the step to the next gaps, and its size before */
-    for (int trial = 0; trial < MOST_NEWTON && !solved; trial++) {
-        int metal = 0;
-        for (int64_t i = 0; i < size; i++) {
-            int64_t n = s->list.at[i];
-            r->force.at[i] = r->slope.at[i] = r->metal.at[i] = 0.0;
-            if (r->near.at[n])
-                r->force.at[i] = press_node(m, n, r->gap.at[i], r->slope.at + i, NULL);
-        }
-        for (int with = 0; with < 2; with++) { /* first without metal, then with it */
-            int64_t count = with ? size + 1 : 1, columns = size + count;
-            double *system = r->system.at;
-            for (int64_t i = 0; i < size; i++) {
-                double right = s->gap.at[i];
-                for (int64_t j = 0; j < size; j++) {
-                    double flexible = w[i * size + j];
-                    system[i * columns + j] = (i == j) + flexible * r->slope.at[j];
-                    right += flexible * (r->force.at[j] + r->slope.at[j] * r->gap.at[j]);
-                    if (with)
-                        system[i * columns + wide + j] = flexible;
-                }
-                system[i * columns + size] = right;
-            }
-            if (!eliminate_rows(system, size, count))
-                return 0;
-            for (int64_t i = 0; i < size; i++) {
-                r->free.at[i] = system[i * columns + size];
-                metal |= r->free.at[i] < 0.0;
-                for (int64_t j = 0; with && j < size; j++)
-                    r->response.at[i * size + j] = system[i * columns + wide + j];
-            }
-            if (!metal)
-                break;
-        }
-        Candidates nodes = {size, r->free.at, s->held.at, r->metal.at, r->response.at};
-        if (metal && !solve_normal(m, &nodes))
-            return 0;
-        double change = 0.0;
-        for (int64_t i = 0; i < size; i++) {
-            double after = r->free.at[i];
-            for (int64_t j = 0; metal && j < size; j++)
-                after += r->response.at[i * size + j] * r->metal.at[j];
-            change = larger(change, fabs(after - r->gap.at[i]));
-            r->free.at[i] = after;
-        }
-        share = change > 0.5 * last ? larger(0.5 * share, 0.125) : 1.0; /* at kinks it can cycle */
-        last = change;
-        solved = change <= 1e-14 * scale;
-        for (int64_t i = 0; i < size; i++)
-            r->gap.at[i] = solved || share == 1.0
-                               ? r->free.at[i]
-                               : r->gap.at[i] + share * (r->free.at[i] - r->gap.at[i]);
-    }
-    for (int64_t i = 0; i < size; i++)
-        s->multiplier.at[i] = r->metal.at[i] + r->force.at[i];
-    return (int)solved;
-}
-
 /* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
 static void contact_forces(const March *m, int64_t size)
 {
     NodeScratch *s = &m->scratch->nodes;
-    RodScratch *r = &m->scratch->rods;
+    double *place = m->scratch->pieces.place.at;
     int coated = m->stage.node_coating != NULL, solved = 1;
     int turns = m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0;
     double *gap = s->gap.at;
@@ -228,17 +158,17 @@ static void contact_forces(const March *m, int64_t size)
     Candidates nodes = {size, gap, s->held.at, s->multiplier.at, s->response.at};
     for (int64_t i = 0; i < size; i++)
         s->held.at[i] = gap[i] < 0.0 || (!coated && s->before.at[DIRECTIONS * i + RADIAL] < 0.0);
-    for (int64_t i = 0; coated && i < size; i++)
-        r->gap.at[i] = gap[i];
+    for (int64_t i = 0; i < size; i++)
+        place[i] = gap[i];
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
         respond(m, size, round > 0 && !coated ? s->multiplier.at : NULL);
-        solved = coated ? solve_coated(m, size) : solve_normal(m, &nodes);
+        solved = (!coated && solve_normal(m, &nodes)) || solve_pieces(m, size);
         set_forces(m, size);
         change = turns ? turn_directions(m, size, &share, round) : 0.0;
     }
     for (int64_t i = 0; i < size; i++) {
         double after = gap[i];
-        double multiplier = coated ? r->metal.at[i] : s->multiplier.at[i];
+        double multiplier = coated ? -smaller(place[i], 0.0) : s->multiplier.at[i];
         for (int64_t j = 0; j < size; j++)
             after += s->response.at[i * size + j] * s->multiplier.at[j];
         scale = larger(scale, fabs(gap[i]));

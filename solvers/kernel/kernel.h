@@ -501,14 +501,18 @@ typedef struct {
     IntMatrix range;  /* (coated_nodes, 2) first and last rod under each node */
     Matrix offset;    /* (coated_nodes, under) wall at each of these rods, less the wall at the
                        * node */
-    Vector force;     /* (coated_group) force of the rods at the gaps of an iteration [N] */
-    Vector slope;     /* (coated_group) its decrease with the gap [N/m] */
-    Vector gap;       /* (coated_group) gaps of an iteration */
-    Vector free;      /* (coated_group) gaps without forces of the metal */
-    Vector metal;     /* (coated_group) forces of the metal [N] */
-    Matrix response;  /* (coated_group, coated_group) change of the gaps due to such forces */
-    Matrix system;    /* (coated_group, augmented) equations of an iteration */
 } RodScratch;
+
+/* Working arrays of the forces of a group, see `pieces.h`. */
+typedef struct {
+    Vector place;  /* (group) place of each node on its curve of gap and force */
+    Vector force;  /* (group) force at this place [N] */
+    Vector slope;  /* (group) its decrease with the place [N/m] */
+    Vector open;   /* (group) 1 if the place is a gap, 0 if the node touches the metal */
+    Vector low;    /* (group) kink below the place */
+    Vector high;   /* (group) kink above the place */
+    Matrix system; /* (group, bordered_group) equations of an iteration */
+} PieceScratch;
 
 /* Working arrays of a speed that varies. */
 typedef struct {
@@ -527,6 +531,7 @@ typedef struct {
     BendScratch bending;
     NodeScratch nodes;
     RodScratch rods;
+    PieceScratch pieces;
     SpeedScratch speed;
     Vector turned;          /* (rotor_entries) modal forces on the rotor */
     Vector amplitude;       /* (patterns) factor of each load pattern */

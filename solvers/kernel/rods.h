@@ -67,6 +67,27 @@ static double press_rods(const NodeCoating *c, int64_t node, const int64_t range
     return force;
 }
 
+/* Return the nearest gap above or below a gap at which the slope of the force of `press_rods` changes,
+ * or `nearest` if that is nearer. */
+static double kink_of_rods(const NodeCoating *c, int64_t node, const int64_t range[2],
+                           const double *offset, const Matrix *strain, double gap, int above,
+                           double nearest)
+{
+    const double *plastic = strain->at + c->track.at[node] * strain->columns;
+    double young = c->young_modulus, h = c->hardening;
+    for (int64_t n = range[0]; n <= range[1]; n++) {
+        double p = plastic[wrapped(c, n)], yield = c->yield_stress + h * p;
+        double touch = c->limit * c->thickness - offset[n - range[0]] - p * c->thickness;
+        double worn = yield + (young + h) * larger(0.0, c->limit - p); /* stress if all yields */
+        double kinks[3] = {touch, touch - c->thickness * yield / young,
+                           touch - c->thickness * worn / young};
+        for (int k = 0; k < 3; k++)
+            if (kinks[k] > 0.0 && (above ? kinks[k] > gap : kinks[k] < gap))
+                nearest = above ? smaller(nearest, kinks[k]) : larger(nearest, kinks[k]);
+    }
+    return nearest;
+}
+
 /* Return the wall at a place in elements, less a closure, for the present field of the casing. */
 static double wall_near(const March *m, const Matrix *nodal, double place, double closed)
 {
@@ -150,7 +171,7 @@ static void wear_rods(const March *m, const double *gap)
         }
 }
 
-/* Solve (I + W K) x = right for the diagonal K of slopes and `count` right-hand sides, in place;
+/* Solve linear equations with `count` right-hand sides, in place;
  * `system` has the matrix, then the right-hand sides, by row. Returns 0 if it is singular. */
 static int eliminate_rows(double *system, int64_t size, int64_t count)
 {

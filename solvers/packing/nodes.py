@@ -78,7 +78,6 @@ def node_sizes(problem: ContactProblem) -> dict[str, int]:
         "group_components": DIRECTIONS * group,
         "twice_group": 2 * group,
         "coated_nodes": coated * copies * nodes,
-        "coated_group": coated * group,
-        "augmented": coated * (2 * group + 1),
+        "bordered_group": group + 1,
         "under": under,
     }
