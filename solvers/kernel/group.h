@@ -6,10 +6,9 @@
 
 #include <stddef.h>
 
-#include "pieces.h"
+#include "sticking.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
-#define SAME_DIRECTION 1e-10    /* change of the direction of sliding at which iterations end */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
 
 /* Add the product of a vector and a matrix that is stored row by row. */
@@ -106,20 +105,12 @@ static void set_forces(const March *m, int64_t size)
 static double turn_directions(const March *m, int64_t size, double *share, int round)
 {
     NodeScratch *s = &m->scratch->nodes;
-    const Numbers *numbers = m->stage.numbers;
-    int64_t width = s->compliance.columns;
-    const double *force = s->group_force.at;
     double most = 0.0, along = 0.0, changed = 0.0, *last = s->miss.at;
     for (int64_t i = 0; i < size; i++) {
         double slip[2], *d = s->direction.at + 2 * i;
         double miss[2] = {0.0, 0.0};
         if (s->multiplier.at[i] > 0.0) {
-            for (int k = 0; k < 2; k++) {
-                int64_t component = DIRECTIONS * i + TANGENTIAL + k;
-                slip[k] = s->slide.at[component]
-                          + dot(s->compliance.at + component * width, force, DIRECTIONS * size);
-            }
-            slip[0] += m->rotation.speed * s->radius.at[i] * numbers->time_step;
+            slip_of(m, i, size, slip);
             double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
             for (int k = 0; k < 2 && length > 0.0; k++) /* 0: the node sticks to the wall */
                 miss[k] = slip[k] / length - d[k];
@@ -166,11 +157,14 @@ static void contact_forces(const March *m, int64_t size)
         set_forces(m, size);
         change = turns ? turn_directions(m, size, &share, round) : 0.0;
     }
+    if (turns && (!solved || change > SAME_DIRECTION)) {
+        solved = sweep_nodes(m, size);
+        change = 0.0;
+    }
     for (int64_t i = 0; i < size; i++) {
-        double after = gap[i];
         double multiplier = coated ? -smaller(place[i], 0.0) : s->multiplier.at[i];
-        for (int64_t j = 0; j < size; j++)
-            after += s->response.at[i * size + j] * s->multiplier.at[j];
+        double after = gap[i] - dot(s->compliance.at + DIRECTIONS * i * s->compliance.columns,
+                                    s->group_force.at, DIRECTIONS * size);
         scale = larger(scale, fabs(gap[i]));
         if (multiplier > 0.0)
             worst = larger(worst, fabs(smaller(after, s->response.at[i * size + i] * multiplier)));

@@ -1,0 +1,62 @@
+"""Nodes that stick: Coulomb's law holds in every step, where friction exceeds the limit at which
+blades lock against the wall, and where a coating presses hard."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from symmetric_cases import write_parts
+
+import bladewhirl as bw
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+SPEED, STEP, FRICTION = 600.0, 5e-7, 0.3
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("parts")
+    write_parts(folder)
+    return folder
+
+
+@pytest.mark.parametrize("layer", [None, 1e10])
+def test_friction_holds_nodes_or_opposes_their_slip(parts: Path, layer: float | None) -> None:
+    casing: dict[str, Any] = {"type": "rigid", "clearance": 1e-4}
+    casing |= {"clearance_lobes": [{"lobes": 2, "amplitude": 9e-5}]}
+    casing |= {"closure": {"amount": 1e-4, "time_constant": 5e-3}}
+    if layer:
+        casing["coating"] = {"thickness": 2e-3, "young_modulus": layer, "yield_stress": 1e15}
+    case = {
+        "bladed_disk": {"superelement": {"file": str(parts / "blade.npz"), "copies": 3}},
+        "reduction": {"free_interface_modes": 8},
+        "casing": casing,
+        "contact": {"friction": FRICTION, "sliding": "full"},
+        "damping": {"ratio": 0.01},
+        "rotation": {"effects": "full"},
+        "march": {"speed": f"{SPEED} rad/s", "time_step": STEP, "record_step": STEP},
+    }
+    case["march"]["duration"] = 8e-3  # type: ignore[index]
+    result, report = march_in_memory(prepare(bw.case_from(case)))
+    assert report["unsolved_steps"] == 0
+    force = result["contact_force"].values[1:]
+    moved = np.diff(result["contact_displacement"].values, axis=0)
+    around = SPEED * STEP * result["contact_radius"].values
+    slip = np.stack([moved[..., 1] + around, moved[..., 2]], axis=-1)
+    pressed, drag = -force[..., 0], force[..., 1:]
+    touching = pressed > 1e-9 * pressed.max()
+    slip, drag, limit = slip[touching], drag[touching], FRICTION * pressed[touching]
+    size, way = np.linalg.norm(drag, axis=1), np.linalg.norm(slip, axis=1)
+    assert (size <= limit * (1.0 + 1e-6)).all()
+    still = size < limit * (1.0 - 1e-6)
+    assert still.sum() > 10
+    assert (way[still] < 1e-6 * around.max()).all()
+    sliding = ~still & (way > 1e-3 * around.max())
+    opposite = -(drag * slip).sum(axis=1)[sliding] / (size * way)[sliding]
+    assert opposite == pytest.approx(1.0, abs=1e-5)
+    sums = ("external_work", "normal_work", "friction_work", "coupling_work")
+    works = sum(result[name].values for name in sums) - result["damping_work"].values
+    energy = result["energy"].values - result["energy"].values[0]
+    assert np.abs(energy - works).max() < 1e-9 * np.abs(works).max()
