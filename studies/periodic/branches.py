@@ -16,7 +16,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.marched import MarchedNodes, marched_stage
 from bladewhirl.postprocess.periodic.branch import plot_branch
 from bladewhirl.postprocess.periodic.dataset import (
     BRANCH_NAME,
@@ -36,7 +36,13 @@ from bladewhirl.studies.periodic.branch_file import (
     dataset,
     rows,
 )
-from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, check_periods, found_motion
+from bladewhirl.studies.periodic.motions import (
+    HARMONICS,
+    blade_of,
+    check_periods,
+    found_motion,
+    nodes_of,
+)
 from bladewhirl.studies.periodic.origins import motion_of
 from bladewhirl.studies.runs.columns import Column, rows_of, table
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
@@ -131,25 +137,38 @@ class Family:
     def __init__(self, case: Case, parameter: Parameter, blade: int, periods: int) -> None:
         self._case, self._parameter = case, parameter
         self._blade, self._periods = blade, periods
-        start, stop = (self.built(value) for value in (parameter.start, parameter.stop))
+        first, width = parameter.start, parameter.stop - parameter.start
+        sampled = [self._stage(first + share * width) for share in (0.0, 1.0, *SPLIT)]
+        self._samples = [stage.contact_problem() for stage in sampled]
+        start, stop, *middle = (self._built(stage) for stage in sampled)
         self._ends = start, stop
         self._linear = comparable(start, stop) and all(
-            comparable(start, middle) and alike(middle, between(start, stop, share), LINEAR)
-            for share in SPLIT
-            for middle in [self.built(parameter.start + share * (parameter.stop - parameter.start))]
+            comparable(start, each) and alike(each, between(start, stop, share), LINEAR)
+            for each, share in zip(middle, SPLIT, strict=True)
         )
         self.grid = lru_cache(maxsize=8)(self._grid)
-        self.problem = marched_stage(parameter.case(case, parameter.start)).contact_problem()
+        self.problem = self._samples[0]
+        if start.speed * stop.speed <= 0.0:
+            raise UserError(f"{OVER} {parameter.key}: expected a range without the speed 0")
 
-    def built(self, value: float) -> Blade:
-        """Return the blade that is built from the case at a value of the parameter."""
-        stage = marched_stage(self._parameter.case(self._case, value))
-        return blade_of(stage, self._blade, self._periods)
+    def _stage(self, value: float) -> MarchedNodes:
+        """Return the stage of the case at a value of the parameter."""
+        return nodes_of(marched_stage(self._parameter.case(self._case, value)), self._blade)
+
+    def _built(self, stage: MarchedNodes) -> Blade:
+        """Return the blade of a stage, with the period and the unknowns of the whole range."""
+        return blade_of(stage, self._blade, self._periods, self._samples)
 
     def _grid(self, value: float, instants: int) -> Grid:
-        if not self._linear:
-            return Grid(self.built(value), instants)
         one = self._parameter
+        if not self._linear:
+            inside = min(max(value, min(one.start, one.stop)), max(one.start, one.stop))
+            try:
+                return Grid(self._built(self._stage(value)), instants)
+            except UserError:  # steps may leave the range to values that the case does not have
+                if inside == value:
+                    raise
+                return self.grid(inside, instants)
         share = (value - one.start) / (one.stop - one.start)
         return Grid(between(*self._ends, share), instants)
 
@@ -337,6 +356,8 @@ class _Tracing:
                 ended = self._follow(begin, progress)
             except NotConverged as reason:
                 ended = f"lost: {reason}"
+            except UserError as reason:
+                ended = f"stopped: {reason.lines[0]}"
             self._drop_pairs()
             if self._sink is not None:
                 self._sink.note(ended=ended)

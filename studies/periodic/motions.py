@@ -145,11 +145,11 @@ def periodic(
     return data.assign_attrs(failures="\n".join(failures))
 
 
-def blade_of(stage: Any, blade: int, periods: int = 1) -> Blade:
-    """Return a blade of a stage for the method, whose motion has several periods of the wall.
+def nodes_of(stage: Any, blade: int) -> MarchedNodes:
+    """Return a stage whose blade with a number is a superelement of its own.
 
     Raises:
-        UserError: the method does not apply.
+        UserError: it has no such blade.
     """
     if not isinstance(stage, MarchedNodes):
         raise UserError("periodic: tips of beams have mass; expected a superelement")
@@ -161,10 +161,23 @@ def blade_of(stage: Any, blade: int, periods: int = 1) -> Blade:
         )
     if not 0 <= blade < table.copies:
         raise UserError(f"periodic: blade {blade}: expected 0 to {table.copies - 1}")
+    return stage
+
+
+def blade_of(
+    stage: Any, blade: int, periods: int = 1, others: Sequence[ContactProblem] = ()
+) -> Blade:
+    """Return a blade of a stage for the method, whose motion has several periods of the wall; for
+    `others` see `Blade.of_problem`.
+
+    Raises:
+        UserError: the method does not apply.
+    """
     if periods < 1:
         raise UserError(f"periodic: periods {periods}: expected at least 1")
     try:
-        structure = Blade.of_problem(stage.contact_problem(), blade)
+        problem = nodes_of(stage, blade).contact_problem()
+        structure = Blade.of_problem(problem, blade, others)
     except ValueError as reason:
         raise UserError(f"periodic: {reason}") from None
     if periods > 1 and structure.ring is not None:

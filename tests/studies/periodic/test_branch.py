@@ -12,6 +12,9 @@ from command_line import answer, refusal
 from periodic_cases import case
 
 import bladewhirl as bw
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.table import path_of, value_at
+from bladewhirl.studies.sweeps.axes import _numeric_keys as numeric_keys
 
 CLOSURE = "casing.closure.amount"
 SMALL = {"march.speed": "7500 rpm"}  #: a rub without folds
@@ -60,6 +63,65 @@ def test_an_interrupted_branch_is_continued(tmp_path: Path) -> None:
     assert rest["impulse_per_revolution"].values == pytest.approx(expected, rel=5e-3)
     again = bw.resume_branch(folder)
     assert (again["parameter"].values == rest["parameter"].values).all()
+
+
+LOADED: dict[str, Any] = {
+    **SMALL,
+    "reduction.free_interface_modes": 4,
+    "casing.slope": "3 deg",
+    "excitation": {"type": "engine-order", "order": 3, "amplitude": "3 N"},
+}
+"""A case with many keys; the wall alone has a period of half a turn, with the load it has one."""
+RING = {
+    "casing.type": "ring",
+    "casing.elements": 24,
+    "casing.support": "20 N/mm2",
+    "casing.wall": {"width": "60 mm", "thickness": "8 mm"},
+    "bladed_disk.superelement.copies": 2,
+    "damping.ratio": 0.05,
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "start", "stop"),
+    [
+        (SMALL, "contact.friction", 0.0, 0.05),
+        (LOADED, "excitation.amplitude", "3 N", "0 N"),
+    ],
+)
+def test_a_branch_passes_changes_of_the_unknowns_and_of_the_period(
+    changes: Any, key: str, start: Any, stop: Any
+) -> None:
+    """Without friction, no direction of sliding is unknown."""
+    data = bw.branch(case(**changes), key, start, stop, points=1, instants=64)
+    assert data.attrs["ended"].startswith(f"reaches {key}")
+    assert (data["residual"] < 1e-6).all()
+    assert np.diff(data["impulse_per_revolution"].values).any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "down_to"), [(LOADED, (0.0, 1.01)), ({**LOADED, **RING}, (1.01,))]
+)
+def test_every_key_that_holds_a_number_is_swept_or_refused(
+    tmp_path: Path, changes: Any, down_to: Any
+) -> None:
+    own, origin, followed = case(**changes), tmp_path / "b", 0
+    bw.branch(own, "march.speed", "7500 rpm", "7501 rpm", points=1, instants=64, directory=origin)
+    for key, _ in numeric_keys(own):
+        value = value_at(own, path_of(key))
+        if isinstance(value, float) and value:
+            ranges = [(value, factor * value) for factor in down_to]
+        else:
+            ranges = [(0.0, 1e-3)]
+        for start, stop in ranges:
+            try:
+                data = bw.branch(own, key, start, stop, points=1, instants=64, origin=origin)
+            except UserError:
+                continue
+            assert data.attrs["ended"].startswith(f"reaches {key}"), key
+            followed += 1
+    assert followed > 15
 
 
 @pytest.mark.slow
@@ -116,6 +178,7 @@ def test_the_command_resumes(tmp_path: Path) -> None:
         (["--over", "march.speed=5000rpm"], "expected KEY=START:STOP"),
         (["--over", "march.speed=5000rpm:6"], "same unit"),
         (["--over", "casing.type=1:2"], "a key of the case that holds a number"),
+        (["--over", "march.speed=-7000 rpm:6000 rpm"], "expected a range without the speed 0"),
         (["--over", "march.speed=1:2", "--speeds", "1"], "not allowed with --over"),
         (["--points", "3"], "not allowed"),
         (["--over", "casing.clearance=1 mm:0.9 mm", "--points", 2], "no contact"),
