@@ -69,7 +69,10 @@ def periodic(
         resume: Continue the branch in this folder.
     """
     if resume is not None:
-        options.omitted("--resume", {"CASE": case, "--speeds": speeds, "--over": over})
+        ignored = {"CASE": case, "--speeds": speeds, "--over": over, "--points": points}
+        ignored |= {"--blade": blade or None, "--periods": periods if periods > 1 else None}
+        ignored |= {"--from": origin, "-o": output, "--overwrite": overwrite or None}
+        options.omitted("--resume", {**ignored, "--set": overrides or None})
         _resume(resume, json=json)
         return
     if case is None:

@@ -130,7 +130,7 @@ def periodic(
             if structure is None:
                 constant.append((problem, corotating.solution(problem, str(speed))))
             else:
-                start = None if origin is None else motion_of(Path(origin), structure)
+                start = None if origin is None else motion_of(Path(origin), structure, blade)
                 solutions.append(solution(problem, structure, str(speed), blade, start))
         except UserError as failure:
             failures += failure.lines
