@@ -42,8 +42,8 @@ def periodic(
     another. With --json and no -o nothing is written.
 
     With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
-    constant in rotating axes; its forces and the radius of the shaft are computed, not its
-    stability.
+    constant in rotating axes, also above critical speeds and with dampers in the static frame; its
+    forces, the radius of the shaft and its stability are computed.
 
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
     bladewhirl render, export and plot make films, series for ParaView and figures.
@@ -98,13 +98,14 @@ def periodic(
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     failures = study.failures(data)
     if folder is not None and data.sizes["speed"] == 1:
+        from bladewhirl.models.inputs.errors import CaseError
         from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.studies.periodic.records import record_motion
 
         try:
             record_motion(read, data, folder, overwrite=True)
-        except ViewError as reason:
-            typer.echo(f"Hint: {reason}.", err=True)
+        except (ViewError, CaseError) as reason:  # of the march, which no result depends on
+            typer.echo(f"Hint: no record for films: {reason.lines[0]}.", err=True)
     if failures:
         raise UserError(*failures)
 

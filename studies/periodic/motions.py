@@ -18,6 +18,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import Marchable, MarchedNodes, marched_stage
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
+from bladewhirl.solvers.periodic.corotating import obstacles
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating, fine_stability
@@ -82,7 +83,10 @@ def periodic(
     If the loads are constant in rotating axes, as those of an imbalance, and the wall is round,
     contact is constant in these axes too: on bladed disks of beams or superelements, in a rigid or
     a uniform flexible casing. The Dataset then has `normal_force` [N] and `gap` [m] of each tip,
-    `centre` [m] and `impulse_per_revolution`; the stability is not computed.
+    `centre` [m], `impulse_per_revolution`, `growth_rate` [1/s] of the fastest small deviation,
+    `multipliers`, the factors of deviations in a turn, and `stable`. Above critical speeds and with
+    dampers in the static frame there can be several such motions: a stable one is returned if the
+    search finds one.
 
     Args:
         case_or_stage: a case with a superelement of the kind "blade" in a rigid wall or, with equal
@@ -123,7 +127,7 @@ def periodic(
         speed = speed_of(each, f"periodic: speeds {each!r}")
         at_speed = marched_stage(with_values(stage, {"march.speed": speed.given}))
         reference = at_speed.reference_frequency
-        problem = at_speed.contact_problem()
+        problem = at_speed.contact_problem(steps=False)
         rests = corotating.is_corotating(problem)
         structure = None if rests else blade_of(at_speed, blade, periods)
         try:
@@ -151,13 +155,16 @@ def nodes_of(stage: Any, blade: int) -> MarchedNodes:
     Raises:
         UserError: it has no such blade.
     """
-    if not isinstance(stage, MarchedNodes):
-        raise UserError("periodic: tips of beams have mass; expected a superelement")
-    table = stage.model.table
-    if table.kind != "blade":
+    expected = "a superelement, as tips of beams have mass"
+    if isinstance(stage, MarchedNodes):
+        table = stage.model.table
+        expected = f'bladed_disk.superelement.kind = "blade", found "{table.kind}"'
+    if not isinstance(stage, MarchedNodes) or table.kind != "blade":
+        problem = stage.contact_problem(steps=False)
+        reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")
         raise UserError(
-            f'periodic: bladed_disk.superelement.kind = "{table.kind}": expected "blade"; blades'
-            " that are coupled through the disk are not included"
+            f"periodic: {reason}, so that contact is not constant in rotating axes; other motions"
+            f" need {expected}"
         )
     if not 0 <= blade < table.copies:
         raise UserError(f"periodic: blade {blade}: expected 0 to {table.copies - 1}")

@@ -83,7 +83,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"carry": "up", "over": {"contact.friction": [0.1, 0.2]}}, "needs --over march.speed"),
     ({"carry": "up", "stop_when": "damped"}, "not allowed together with --screen, --until"),
-    ({"start": "periodic"}, "--start periodic: periodic: tips of beams have mass"),
+    ({"start": "periodic"}, "as tips of beams have mass"),
     ({"start": "periodic", "histories": True}, "--start periodic: not allowed together with"),
     ({"carry": "up"}, "--continue: expected marches of at least 3 revolutions, not of"),
     ({"carry": "up", "case": CLOSING}, "--continue: expected a casing without casing.coating"),
