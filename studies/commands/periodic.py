@@ -126,8 +126,8 @@ def _branch(
     from bladewhirl.studies.periodic import branches as study
 
     key, start, stop = study.parse_over(over)
-    remedy = f"bladewhirl periodic --resume {folder} continues" if folder else "nothing is written"
-    with progress_bar("branch") as update, interruptible(remedy):
+    remedy = f"bladewhirl periodic --resume {folder} continues"
+    with progress_bar("branch") as update, interruptible(remedy, folder):
         data = study.branch(
             case,
             key,
@@ -149,7 +149,7 @@ def _resume(folder: Path, *, json: bool) -> None:
     from bladewhirl.studies.periodic import branches as study
 
     remedy = f"bladewhirl periodic --resume {folder} continues"
-    with progress_bar("branch") as update, interruptible(remedy):
+    with progress_bar("branch") as update, interruptible(remedy, folder):
         data = study.resume_branch(
             folder,
             progress=lambda share, done: update(int(share * 100), 100, text=f"{done} points"),

@@ -19,6 +19,7 @@ KEYS: list[tuple[dict[str, Any], str]] = [
     ({"march.sped": (1, 2)}, "holds a number; the nearest is march.speed"),
     ({"contact.sliding": (1, 2)}, "holds a number; the nearest is contact."),
     ({"march": (1, 2)}, "holds a number; the nearest is "),
+    ({"blade_loss.share": (0.1, 0.5)}, "holds a number; the nearest is "),
     ({"excitation.clearance_speed": (1, 2)}, "holds a number; the nearest is "),
     *(
         ({"march.speed": values}, "--over march.speed: expected")
