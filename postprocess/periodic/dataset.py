@@ -43,14 +43,8 @@ VARIABLES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
 """Dimensions after `point`, unit and name of each variable of a branch."""
 TO_RESUME = ("tangent_force", "tangent_direction", "next_step")
 """Variables that files of earlier versions do not have."""
-COORDINATES = {
-    "instant": ("1", "share of the period"),
-    "node": ("1", "contact node of the blade"),
-    "direction": ("1", "direction in the axes of the wall"),
-    "order": ("1", "engine order of the harmonic"),
-    "multiplier": ("1", "number of the multiplier, by magnitude"),
-}
-"""Unit and name of each coordinate of a branch."""
+COORDINATES = ("instant", "node", "direction", "order", "multiplier")
+"""Coordinates of a branch, which have no unit."""
 ATTRIBUTES = {"title": str, "case": str, "key": str, "unit": str, "start": float, "stop": float}
 """Attributes of a branch, and their types."""
 
@@ -88,9 +82,10 @@ def _faults(data: xr.Dataset) -> Iterator[str]:
         value = data.attrs.get(name)
         if not isinstance(value, kind) or (isinstance(value, float) and not plausible(value)):
             yield f"the attribute {name!r}"
-    for name in ("blade", "periods", "points"):
-        if not isinstance(data.attrs.get(name, 1), int | np.integer):
-            yield f"the attribute {name!r} as a whole number"
+    for name, least in (("blade", 0), ("periods", 1), ("points", 1)):
+        value = data.attrs.get(name, 1)
+        if not isinstance(value, int | np.integer) or value < least:
+            yield f"the attribute {name!r} as a whole number of at least {least}"
 
 
 def with_stability(data: xr.Dataset) -> xr.Dataset:

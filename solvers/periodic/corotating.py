@@ -109,7 +109,10 @@ def corotating_contact(problem: ContactProblem) -> CorotatingContact:
 
     def contact(normal: FloatArray) -> CorotatingContact:
         rotated = moved @ np.append(1.0, normal)
-        rates = _rates(*_deviations(problem, shapes, stiffness, normal))
+        still, fading = _deviations(problem, shapes, stiffness, normal)
+        unit = float(np.sqrt(np.abs(still).max(initial=0.0))) or 1.0
+        values = np.linalg.eigvals(companion(-still, -fading, unit))
+        rates = np.asarray(values[np.argsort(-values.real)], dtype=np.complex128)
         gap = start + matrix @ normal
         return CorotatingContact(normal, gap, rotated, rotor.centre @ rotated, rates)
 
@@ -148,13 +151,6 @@ def _solved(
         seen.add(chosen.tobytes())
         chosen = chosen ^ wrong
     return None
-
-
-def _rates(stiffness: ComplexArray, damping: ComplexArray) -> ComplexArray:
-    """Return the eigenvalues of small deviations, see `CorotatingContact`."""
-    unit = float(np.sqrt(np.abs(stiffness).max(initial=0.0))) or 1.0
-    values = np.linalg.eigvals(companion(-stiffness, -damping, unit))
-    return np.asarray(values[np.argsort(-values.real, kind="stable")], dtype=np.complex128)
 
 
 def _deviations(

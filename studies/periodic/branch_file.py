@@ -11,9 +11,8 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.errors import writing
-from bladewhirl.postprocess.periodic.dataset import COORDINATES, OF_KEY, VARIABLES
+from bladewhirl.postprocess.periodic.dataset import OF_KEY, VARIABLES
 
-DESCRIBED = ("units", "long_name")  #: attributes of variables
 UNITS = "key_units"  #: attribute of a branch with the unit of its key, also where none was given
 
 Row = Mapping[str, Any]
@@ -54,7 +53,7 @@ class BranchFile(AbstractContextManager["BranchFile"]):
                 (h5py.string_dtype(), np.array(each, dtype=object)) if text else ("f8", each)
             )
             made = file.create_variable(name, (name,), kind, data=data)
-            made.attrs.update(zip(DESCRIBED, COORDINATES[name], strict=True))
+            made.attrs["units"] = "1"
         for name, (dimensions, *_) in VARIABLES.items():
             made = file.create_variable(name, ("point", *dimensions), "f8")
             made.attrs.update(_described(name, attributes))
@@ -98,17 +97,14 @@ def dataset(
         )
         for name, (dimensions, *_) in VARIABLES.items()
     }
-    axes = {
-        name: (name, each, dict(zip(DESCRIBED, COORDINATES[name], strict=True)))
-        for name, each in coordinates.items()
-    }
+    axes = {name: (name, each, {"units": "1"}) for name, each in coordinates.items()}
     return xr.Dataset(data, axes, dict(attributes))
 
 
 def _described(name: str, attributes: Mapping[str, Any]) -> dict[str, str]:
     """Return unit and name of a variable of a branch with attributes."""
     _, unit, label = VARIABLES[name]
-    return dict(zip(DESCRIBED, (attributes[UNITS] if unit == OF_KEY else unit, label), strict=True))
+    return {"units": attributes[UNITS] if unit == OF_KEY else unit, "long_name": label}
 
 
 def rows(data: xr.Dataset) -> list[Row]:

@@ -285,7 +285,8 @@ def resume_branch(
     if "ended" in data.attrs:
         return _derived(data)
     case, known = read_case(folder / CASE_NAME), data.attrs
-    if not {*TO_RESUME} <= data.data_vars.keys() or UNITS not in known:
+    regular = np.flatnonzero(data["kind"].values == 0)
+    if not {*TO_RESUME} <= data.data_vars.keys() or UNITS not in known or not len(regular):
         raise UserError(f"{folder / BRANCH_NAME}: expected a branch of this version to resume")
     start, stop = (f"{float(known[name])!r} {known['unit']}".strip() for name in ("start", "stop"))
     try:
@@ -295,8 +296,8 @@ def resume_branch(
     family = Family(case, parameter, int(known["blade"]), int(known.get("periods", 1)))
     check_nodes(data, family.grid(parameter.start, data.sizes["instant"]).blade, str(folder))
     tracing = _Tracing(family, parameter, dict(known), int(known["points"]), data.sizes["instant"])
-    done = np.flatnonzero(data["kind"].values == 0)[-1] + 1  # bifurcations come with the next point
-    return tracing.run(lambda: folder, rows(data)[:done], None, progress)
+    found = rows(data)[: regular[-1] + 1]  # bifurcations are found again with the next point
+    return tracing.run(lambda: folder, found, None, progress)
 
 
 def _first(grid: Grid, parameter: Parameter, origin: Path | None, number: int) -> Motion:
@@ -381,8 +382,6 @@ class _Tracing:
                 ended = self._follow(start, begin, progress)
             except NotConverged as reason:
                 ended = f"lost: {reason}"
-            except UserError as reason:
-                ended = f"stopped: {reason.lines[0]}"
             self._drop_pairs()
             if self._sink is not None:
                 self._sink.note(ended=ended)

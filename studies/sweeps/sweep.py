@@ -41,7 +41,7 @@ from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.starts import StartName, follow_branches
 from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
-from bladewhirl.studies.sweeps.workers import check_process
+from bladewhirl.studies.sweeps.workers import process_context
 
 HISTORIES_NAME = "histories"  #: name of the folder of full histories
 
@@ -160,7 +160,7 @@ def run_sweep(
     directory = Path(directory)
     require_new(directory)
     if scheduler is None:
-        check_process()
+        process_context()
     if over and table is not None:
         raise UserError(f"{OVER}, {TABLE}: omit one of them")
     grid = make_grid(

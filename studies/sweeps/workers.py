@@ -27,19 +27,6 @@ _HIDING, _HIDDEN = threading.Lock(), list[ModuleType]()
 """The main module, once for each thread that starts workers, and the lock of this list."""
 
 
-def check_process() -> None:
-    """Check that this process may start workers.
-
-    Raises:
-        UserError: it is a worker itself, of a pool that does not allow it.
-    """
-    if multiprocessing.current_process().daemon:
-        raise UserError(
-            "sweep: a worker of multiprocessing.Pool may not start processes; expected a call in"
-            " the main process, or in concurrent.futures.ProcessPoolExecutor"
-        )
-
-
 def march_in_processes(
     work: Work, points: Iterable[Point | None], workers: int | None
 ) -> Iterator[tuple[int, Outcome]]:
@@ -49,7 +36,6 @@ def march_in_processes(
     marched again at the end, one at a time, so that a point is certainly the cause if its worker
     dies again; this point fails.
     """
-    check_process()
     waiting: Iterator[Point | None] = iter(points)
     suspects: list[Point] = []
     while True:
@@ -120,7 +106,7 @@ def _check_start() -> None:
 @contextmanager
 def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool of worker processes; after an error or Ctrl-C, busy workers are killed."""
-    pool = ProcessPoolExecutor(workers, mp_context=_context(), initializer=leave_with_parent)
+    pool = ProcessPoolExecutor(workers, mp_context=process_context(), initializer=leave_with_parent)
     try:
         yield pool
     except BaseException:
@@ -133,9 +119,18 @@ def _processes(workers: int) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown()
 
 
-def _context() -> BaseContext:
+def process_context() -> BaseContext:
     """Return the way in which workers start: on Linux they are copies of one process that has
-    imported what they need, which is not imported again for each worker and for each sweep."""
+    imported what they need, which is not imported again for each worker and for each sweep.
+
+    Raises:
+        UserError: this process is a worker itself, of a pool that does not allow it.
+    """
+    if multiprocessing.current_process().daemon:
+        raise UserError(
+            "sweep: a worker of multiprocessing.Pool may not start processes; expected a call in"
+            " the main process, or in concurrent.futures.ProcessPoolExecutor"
+        )
     if sys.platform != "linux":
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")

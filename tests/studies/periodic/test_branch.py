@@ -157,6 +157,8 @@ def holding(name: str, value: Any) -> Any:
         holding("start", "soon"),
         holding("stop", np.nan),
         holding("points", "many"),
+        holding("points", 0),
+        holding("kind", 1.0),
         holding("normal_force", np.nan),
         holding("parameter", 1e300),
         lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2]),

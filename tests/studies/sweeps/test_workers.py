@@ -83,7 +83,7 @@ def test_workers_without_memory_end_the_sweep_at_once() -> None:
     """The process that starts the workers has no room for what they import."""
     resource = pytest.importorskip("resource")
     forkserver._forkserver._stop()  # type: ignore[attr-defined]  # one with a limit begins
-    workers._context()
+    workers.process_context()
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (60 << 20, hard))
     try:
