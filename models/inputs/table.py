@@ -53,7 +53,8 @@ def value_at(tables: object, path: Path, default: object = None) -> Any:
     for part in path:
         try:
             if isinstance(value, Table):
-                value = getattr(value, str(part))
+                names = {field.alias: name for name, field in type(value).model_fields.items()}
+                value = getattr(value, names.get(str(part), str(part)))
             else:
                 value = value[str(part) if isinstance(value, Mapping) else part]
         except (AttributeError, KeyError, IndexError, TypeError):

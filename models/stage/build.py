@@ -27,14 +27,14 @@ from bladewhirl.models.stage.speed_change import with_speed_change
 from bladewhirl.models.stage.stage import Stage
 
 
-def contact_problem(stage: Stage) -> ContactProblem:
-    """Return the contact problem of a stage.
+def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
+    """Return the contact problem of a stage; `steps` is false if no time step is taken.
 
     Raises:
         CaseError: time integration is not possible; the error lists all faults of `march_faults`.
             Also raised if loads exceed the range of floating-point numbers.
     """
-    faults = list(march_faults(stage))
+    faults = list(march_faults(stage, steps=steps))
     if faults:
         raise CaseError(faults)
     case, kept = stage.case, stage.kept
@@ -79,13 +79,14 @@ def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
     return stage.rotor.take(stage.kept.rotor), stage.reduced_casing.take(stage.kept.casing)
 
 
-def march_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield all faults that prevent time integration."""
+def march_faults(stage: Stage, *, steps: bool = True) -> Iterator[Fault]:
+    """Yield all faults that prevent time integration, without `steps` only those of the stage."""
     flexible = stage.reduced_casing.is_flexible
     if not len(stage.kept.rotor) or (flexible and not len(stage.kept.casing)):
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
-    yield from time_step_faults(stage)
+    if steps:
+        yield from time_step_faults(stage)
     yield from foreshortening_faults(stage)
     yield from coating_faults(stage, *marched_bodies(stage))
     yield from _load_faults(stage)

@@ -102,8 +102,8 @@ class MarchedStage(ABC):
         """Coating of the wall."""
 
     @abstractmethod
-    def contact_problem(self) -> ContactProblem:
-        """Return the contact problem.
+    def contact_problem(self, *, steps: bool = True) -> ContactProblem:
+        """Return the contact problem; `steps` is false if no time step is taken.
 
         Raises:
             CaseError: errors that prevent time integration.
@@ -170,8 +170,8 @@ class MarchedBeams(MarchedStage):
     def coating(self) -> WallCoating | None:
         return wall_coating(self.model)
 
-    def contact_problem(self) -> ContactProblem:
-        return contact_problem(self.model)
+    def contact_problem(self, *, steps: bool = True) -> ContactProblem:
+        return contact_problem(self.model, steps=steps)
 
     def hints(self) -> tuple[str, ...]:
         return stage_hints(self.model)
@@ -220,7 +220,7 @@ class MarchedNodes(MarchedStage):
     def coating(self) -> NodeCoating | None:
         return self.model.coating
 
-    def contact_problem(self) -> ContactProblem:
+    def contact_problem(self, *, steps: bool = True) -> ContactProblem:
         stage = self.model
         problem = with_speed_over_time(stage, stage.problem_at(stage.speed))
         stage.check_start(problem)

@@ -108,6 +108,12 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     return regime("sustained", "; ".join([f"contact up to {last:.6g} s", *so_far, grown]))
 
 
+def regime_title(name: RegimeName, *, judged: bool) -> str:
+    """Return a regime for people: contact in a run that is too short to judge growth is not yet
+    sustained."""
+    return "contact up to the end" if name == "sustained" and not judged else name
+
+
 def _growth_text(growth: Growth | None, ripple: Growth | None) -> str:
     if growth is None:
         return "growth cannot be judged: at rest, or too few records or periods"

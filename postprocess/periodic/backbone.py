@@ -86,8 +86,8 @@ def differences(branches: Sequence[xr.Dataset]) -> list[str]:
 def _numbers(table: Table, prefix: str = "") -> Iterator[tuple[str, str]]:
     """Yield the dotted keys of a table that have a number, with its text."""
     descriptions = type(table).descriptions()
-    for name in type(table).model_fields:
-        value = getattr(table, name)
+    for attribute, field in type(table).model_fields.items():
+        name, value = field.alias or attribute, getattr(table, attribute)
         rows = value if isinstance(value, tuple) else ()
         for place, row in enumerate(rows):
             if isinstance(row, Table):
@@ -95,7 +95,7 @@ def _numbers(table: Table, prefix: str = "") -> Iterator[tuple[str, str]]:
         if isinstance(value, Table):
             yield from _numbers(value, f"{prefix}{name}.")
         elif isinstance(value, float | int | Speed):
-            unit = re.search(r"\[([^\]]+)\]", descriptions.get(name, ""))
+            unit = re.search(r"\[([^\]]+)\]", descriptions.get(attribute, ""))
             number = value if isinstance(value, Speed) else handy(value, unit[1] if unit else "1")
             yield f"{prefix}{name}", str(number).removesuffix(" 1")
 

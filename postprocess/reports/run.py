@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
-from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.windows import late_part
@@ -71,6 +71,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     if "stress" in figures.kinds:
         stresses = figures.stresses
     meaning = REGIMES[regime.name].meaning
+    title = regime_title(regime.name, judged=regime.growth is not None)
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent", "damped")
     verdict = PageSection(
@@ -89,7 +90,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
         subject=subject(dataset, provenance, name),
-        verdict=_sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
+        verdict=_sentence(title).rstrip(".") + ("" if ended else " so far"),
         tone=REGIMES[regime.name].tone if ended else "open",
         reason=f"{meaning} {_sentence(regime.reason)}",
         warnings=_warnings(dataset, reason),

@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.energy.regimes import regime_title
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.energy.works import Works
 from bladewhirl.postprocess.fields.by_blade import (
@@ -26,13 +27,15 @@ from bladewhirl.postprocess.run.summary import (
 from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.shaft.transforms import Frame
 
+MOSTLY = 0.5  #: share of the mean square of a line that describes the motion
+
 
 def summary_rows(summary: Summary) -> dict[str, str]:
     """Return the rows of the summary, with rounded values in convenient units."""
     work = summary.work
     springs = "" if work["springs"] is None else f" springs {_text(work['springs'], 'J')},"
     return {
-        "regime": summary.regime,
+        "regime": regime_title(summary.regime, judged=summary.growth_rate is not None),
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
         **({} if summary.blade_loss is None else {"loss": summary.blade_loss}),
@@ -75,13 +78,13 @@ def _shaft(summary: Summary) -> dict[str, str]:
         "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
         f" {_text(summary.shaft_radius_final, 'm')} at the end",
         "whirl, rotating frame": _whirl(
-            summary.whirl_frequency_rotating, summary.whirl_lines, "rotating"
+            summary.whirl_frequency_rotating, summary.whirl_lines, "rotating", summary.end_time
         ),
         "whirl, static frame": _whirl(
-            summary.whirl_frequency_static, summary.whirl_lines, "static"
+            summary.whirl_frequency_static, summary.whirl_lines, "static", summary.end_time
         ),
         "ripple about the mean position": f"{_text(summary.ripple_rms, 'm')} (rms),"
-        f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating')}",
+        f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating', np.inf)}",
         **_crossings(summary.critical_crossings),
     }
 
@@ -173,7 +176,10 @@ def _energies(energy: EnergyHolders | None) -> dict[str, str]:
     }
 
 
-def _whirl(frequency: float | None, lines: list[LineOfWhirl], frame: Frame) -> str:
+def _whirl(frequency: float | None, lines: list[LineOfWhirl], frame: Frame, end_time: float) -> str:
+    """Return the whirl; lines are those of the last third of the time until the end."""
+    if lines and lines[0]["share"] > MOSTLY and abs(lines[0][frame]) * end_time < 3.0:
+        return "none, the displacement is constant"
     if frequency is not None:
         return f"{'forward' if frequency > 0 else 'backward'}, {abs(frequency):.4g} Hz"
     shares = [f"{line['share']:.0%} at {round(line[frame], 6) + 0.0:.3g} Hz" for line in lines]

@@ -23,7 +23,7 @@ Newton method finds motions with many contact nodes more often.
 The wall is rigid, or a uniform ring, whose response to the same forces is added, see `ring`.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
@@ -62,16 +62,24 @@ class Blade:
     [kg^1/2 m/s2], (modes,)."""
     speed: float  #: speed of rotation Omega [rad/s]
     friction: float  #: Coulomb friction coefficient
-    full: bool  #: whether friction opposes the slip velocity; otherwise the rotation
+    turns: bool  #: True if the direction of friction is unknown; otherwise it opposes the rotation
     lobes: int  #: number of periods of the wall and the loads in a turn
     ring: Ring | None = None  #: the wall if it is flexible
     copies: int = 1  #: number of equal blades in the ring, at equal angles
     periods: int = 1  #: number of periods of the wall and the loads in a period of the motion
 
     @classmethod
-    def of_problem(cls, problem: ContactProblem, copy: int = 0) -> "Blade":
+    def of_problem(
+        cls, problem: ContactProblem, copy: int = 0, others: Sequence[ContactProblem] = ()
+    ) -> "Blade":
         """Return a copy of the structure of a contact problem. Ramps of loads, loads that end, and
         the course of the closure are over; the closure has its final value.
+
+        Args:
+            problem: the contact problem.
+            copy: number of the copy.
+            others: further problems of a branch: period, engine orders and unknowns suit them all,
+                although friction, lobes of the wall or loads of some are zero.
 
         Raises:
             ValueError: the method does not apply; the message names the reason.
@@ -81,14 +89,14 @@ class Blade:
             raise ValueError(reason)
         assert nodes is not None
         assert nodes.compliance is not None
-        loads: dict[int, ComplexArray] = {}
-        for load in problem.loads:
-            if lasts(load) and load.rotor.any():
-                order, force = _of_order(load, problem.speed)
-                loads[order] = loads.get(order, 0.0) + force.reshape(rotor.copies, -1)[copy]
-        loads = {order: force for order, force in loads.items() if np.any(force)}
-        clearance = problem.clearance(NEVER) + _static(problem)
-        lobes = gcd(*_harmonics(clearance[:, 0]), *loads)
+        loads, every = _loads(problem), [problem, *others]
+        orders = {
+            order: np.zeros(rotor.by_copy(rotor.frequency).shape)
+            for each in every
+            for order in _loads(each)
+        }
+        walls = [_wall(each)[:, 0] for each in every]
+        lobes = gcd(*(n for wall in walls for n in _harmonics(wall)), *orders)
         if not lobes:
             raise ValueError(
                 "the wall is round and no load varies with time, so that the motion has no period"
@@ -102,12 +110,12 @@ class Blade:
             radius=nodes.radius,
             recess=rotor.by_copy(rotor.tip_recess)[copy],
             normal_part=rotor.by_copy(rotor.normal_part)[copy],
-            clearance=clearance,
+            clearance=_wall(problem),
             wall_step=problem.casing.element_length,
-            loads=loads,
+            loads={order: force[copy] for order, force in {**orders, **loads}.items()},
             speed=problem.speed,
             friction=problem.friction,
-            full=problem.sliding == "full",
+            turns=any(each.sliding == "full" and each.friction > 0.0 for each in every),
             lobes=lobes,
             ring=Ring.of_casing(problem.casing) if problem.casing.is_flexible else None,
             copies=rotor.copies if problem.casing.is_flexible else 1,
@@ -127,11 +135,6 @@ class Blade:
     def first_order(self) -> float:
         """Engine order of the first harmonic of the motion: periods of the motion in a turn."""
         return self.lobes / self.periods
-
-    @property
-    def turns(self) -> bool:
-        """True if the direction of friction is unknown."""
-        return self.full and self.friction > 0.0
 
     @property
     def stiffness_scale(self) -> float:
@@ -156,6 +159,8 @@ def obstacles_over_time(problem: ContactProblem) -> Iterable[str]:
 def _obstacles(problem: ContactProblem) -> Iterable[str]:
     """Yield reasons why the method does not apply to a problem."""
     rotor = problem.rotor
+    if problem.speed == 0.0:
+        yield "the speed is 0, so that the motion has no period"
     if rotor.nodes is None or rotor.nodes.compliance is None:
         yield 'contact nodes have mass; expected reduction.boundary = "massless"'
     if problem.casing.is_flexible:
@@ -169,8 +174,6 @@ def _obstacles(problem: ContactProblem) -> Iterable[str]:
         yield "contact.foreshortening = true is not included"
     if problem.springs is not None or rotor.anisotropy or rotor.circulation:
         yield "springs or dampers in the static frame couple harmonics"
-    if problem.speed == 0.0:
-        yield "the speed is 0, so that the motion has no period"
 
 
 def _obstacles_in_ring(problem: ContactProblem) -> Iterable[str]:
@@ -192,11 +195,9 @@ def _obstacles_in_ring(problem: ContactProblem) -> Iterable[str]:
         own.append(rotor.nodes.compliance)
     if any(np.abs(each - each[0]).max() > ALIKE * np.abs(each).max() for each in own):
         yield "the blades in a flexible casing differ; expected no mistuning"
-    for load in filter(lasts, problem.loads):
-        order, force = _of_order(load, problem.speed)
-        each = force.reshape(rotor.copies, -1)
+    for order, each in _loads(problem).items():
         following = each[0] * np.exp(1j * order * turn * np.sign(problem.speed))
-        if np.abs(each - following).max() > ALIKE * np.abs(force).max():
+        if np.abs(each - following).max() > ALIKE * np.abs(each).max():
             yield "a load on the blades in a flexible casing is not fixed in space"
 
 
@@ -205,18 +206,35 @@ def lasts(load: Load) -> bool:
     return load.end == NEVER
 
 
-def _static(problem: ContactProblem) -> FloatArray:
-    """Return radial displacement and slope of the casing under constant loads, (nodes, 2)."""
-    casing = problem.casing
+def _wall(problem: ContactProblem) -> FloatArray:
+    """Return the clearance at the end of the closure and its slope, with the displacement of the
+    casing under constant loads, (nodes, 2)."""
+    casing, clearance = problem.casing, problem.clearance(NEVER)
     pushed = [
         load.casing * np.cos(load.phase)
         for load in problem.loads
         if lasts(load) and load.casing.any()
     ]
     if not pushed:
-        return np.zeros((len(casing.nodal), 2))
+        return clearance
     modal = np.sum(pushed, axis=0) / casing.frequency**2
-    return np.asarray(casing.nodal[:, :2] @ modal)
+    return np.asarray(clearance + casing.nodal[:, :2] @ modal)
+
+
+def _loads(problem: ContactProblem) -> dict[int, ComplexArray]:
+    """Return the complex modal forces of all loads of each engine order, (copies, modes): those of
+    a cosine and a sine belong together. Sums that are rounding errors are left out."""
+    each: dict[int, list[ComplexArray]] = {}
+    for load in problem.loads:
+        if lasts(load) and load.rotor.any():
+            order, force = _of_order(load, problem.speed)
+            each.setdefault(order, []).append(force.reshape(problem.rotor.copies, -1))
+    sums = {order: np.sum(forces, axis=0) for order, forces in each.items()}
+    return {
+        order: force
+        for order, force in sums.items()
+        if np.abs(force).max() > SEEN * np.abs(each[order]).max()
+    }
 
 
 def _of_order(load: Load, speed: float) -> tuple[int, ComplexArray]:
@@ -227,7 +245,7 @@ def _of_order(load: Load, speed: float) -> tuple[int, ComplexArray]:
         raise ValueError(
             f"a load has {abs(order):.6g} times the frequency of rotation; expected a whole number"
         )
-    force = load.rotor * np.exp(1j * load.phase)
+    force = load.rotor * (np.exp(1j * load.phase) if whole else np.cos(load.phase))
     return whole, np.asarray(force if order >= 0.0 else force.conj())
 
 
@@ -239,7 +257,7 @@ def _harmonics(clearance: FloatArray) -> list[int]:
     ).tolist()
 
 
-FIXED = ("full", "lobes", "wall_step", "copies", "periods")
+FIXED = ("turns", "lobes", "wall_step", "copies", "periods")
 """Fields of a blade that do not depend on a parameter, without the ring."""
 ARRAYS = tuple(name for name in Blade.__annotations__ if name not in (*FIXED, "loads", "ring"))
 """Fields of a blade that can depend linearly on a parameter, without the loads."""

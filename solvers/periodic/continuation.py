@@ -65,6 +65,7 @@ class Point:
     angle: FloatArray  #: change of the directions of sliding along the tangent, (instants, nodes)
     heading: float  #: change p' of the parameter along the tangent
     steps: int = 0  #: Newton steps of the correction
+    ahead: float = 0.0  #: length of the step that follows
 
     @property
     def scale(self) -> float:
@@ -327,12 +328,12 @@ class Continuation:
             if ahead is None:
                 length /= 2.0
                 continue
-            yield ahead
-            point = ahead
             if ahead.steps <= FEW:
                 length = min(longest, length * GROWTH)
             elif ahead.steps >= MANY:
                 length /= GROWTH
+            point = replace(ahead, ahead=length)
+            yield point
         raise NotConverged(f"Newton's method fails beyond {point.parameter:.6g}")
 
     def _ahead(self, point: Point, length: float, *, short: bool) -> Point | None:

@@ -113,7 +113,7 @@ def reproduce(
     with (
         progress_bar("marches") as marches,
         progress_bar("sweep over speed") as points,
-        interruptible(remedy),
+        interruptible(remedy, output),
     ):
         watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
         card, evidence = judge.reproduce_claims(

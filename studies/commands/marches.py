@@ -88,6 +88,7 @@ def run(
     """
     from rich.console import Console
 
+    from bladewhirl.solvers.march.schema import RESULT_NAME
     from bladewhirl.studies.runs.folder import CASE_NAME
     from bladewhirl.studies.runs.run import resume as resume_run
     from bladewhirl.studies.runs.run import run as run_case
@@ -104,7 +105,7 @@ def run(
         options.case_of(source, overrides) as read,
         progress_bar("preparing") as update,
         reduction_bar(),
-        interruptible(f"bladewhirl run --resume {folder} continues a march that has begun"),
+        interruptible(f"bladewhirl run --resume {folder} continues", folder / RESULT_NAME),
     ):
         turn = read.march.steps_per_revolution
         step, unit = (1.0 / turn, "revolutions") if turn else (read.march.time_step, "s")

@@ -42,8 +42,8 @@ def periodic(
     another. With --json and no -o nothing is written.
 
     With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
-    constant in rotating axes; its forces and the radius of the shaft are computed, not its
-    stability.
+    constant in rotating axes, also above critical speeds and with dampers in the static frame; its
+    forces, the radius of the shaft and its stability are computed.
 
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
     bladewhirl render, export and plot make films, series for ParaView and figures.
@@ -69,7 +69,10 @@ def periodic(
         resume: Continue the branch in this folder.
     """
     if resume is not None:
-        options.omitted("--resume", {"CASE": case, "--speeds": speeds, "--over": over})
+        ignored = {"CASE": case, "--speeds": speeds, "--over": over, "--points": points}
+        ignored |= {"--blade": blade or None, "--periods": periods if periods > 1 else None}
+        ignored |= {"--from": origin, "-o": output, "--overwrite": overwrite or None}
+        options.omitted("--resume", {**ignored, "--set": overrides or None})
         _resume(resume, json=json)
         return
     if case is None:
@@ -95,13 +98,14 @@ def periodic(
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     failures = study.failures(data)
     if folder is not None and data.sizes["speed"] == 1:
+        from bladewhirl.models.inputs.errors import CaseError
         from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.studies.periodic.records import record_motion
 
         try:
             record_motion(read, data, folder, overwrite=True)
-        except ViewError as reason:
-            typer.echo(f"Hint: {reason}.", err=True)
+        except (ViewError, CaseError) as reason:  # of the march, which no result depends on
+            typer.echo(f"Hint: no record for films: {reason.lines[0]}.", err=True)
     if failures:
         raise UserError(*failures)
 
@@ -122,8 +126,8 @@ def _branch(
     from bladewhirl.studies.periodic import branches as study
 
     key, start, stop = study.parse_over(over)
-    remedy = f"bladewhirl periodic --resume {folder} continues" if folder else "nothing is written"
-    with progress_bar("branch") as update, interruptible(remedy):
+    remedy = f"bladewhirl periodic --resume {folder} continues"
+    with progress_bar("branch") as update, interruptible(remedy, folder):
         data = study.branch(
             case,
             key,
@@ -145,7 +149,7 @@ def _resume(folder: Path, *, json: bool) -> None:
     from bladewhirl.studies.periodic import branches as study
 
     remedy = f"bladewhirl periodic --resume {folder} continues"
-    with progress_bar("branch") as update, interruptible(remedy):
+    with progress_bar("branch") as update, interruptible(remedy, folder):
         data = study.resume_branch(
             folder,
             progress=lambda share, done: update(int(share * 100), 100, text=f"{done} points"),

@@ -91,9 +91,10 @@ def sweep(
     from bladewhirl.studies.sweeps.table import point_table
 
     options.refuse_both(scheduler, workers)
-    remedy = f"bladewhirl sweep --resume {resume or output} finishes it"
+    place = resume or output
+    remedy = interruptible(f"bladewhirl sweep --resume {place} finishes it", place)
     try:
-        with progress_bar("sweeping", lines="points") as update, interruptible(remedy):
+        with progress_bar("sweeping", lines="points") as update, remedy:
 
             def progress(done: int, failed: int, points: int) -> None:
                 update(done + failed, points, text=f"{done} of {points} done", failed=failed)

@@ -185,10 +185,11 @@ def _leave(error: OSError) -> NoReturn:
 
 
 @contextmanager
-def interruptible(remedy: str) -> Iterator[None]:
-    """On Ctrl-C, print one line that tells how to continue, and exit."""
+def interruptible(remedy: str, folder: Path | None) -> Iterator[None]:
+    """On Ctrl-C, print one line that says how to continue if the folder exists, and exit."""
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo(f"interrupted; {remedy}", err=True)
+        begun = folder is not None and folder.exists()
+        typer.echo(f"interrupted; {remedy if begun else 'nothing is written'}", err=True)
         raise typer.Exit(INTERRUPTED) from None

@@ -11,7 +11,9 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.errors import writing
-from bladewhirl.postprocess.periodic.dataset import VARIABLES
+from bladewhirl.postprocess.periodic.dataset import OF_KEY, VARIABLES
+
+UNITS = "key_units"  #: attribute of a branch with the unit of its key, also where none was given
 
 Row = Mapping[str, Any]
 """Values of `VARIABLES` at a point."""
@@ -24,30 +26,37 @@ class BranchFile(AbstractContextManager["BranchFile"]):
         path: path of the file.
         coordinates: coordinates; None: the file exists, and points are added to it.
         attributes: attributes of a new file.
+        points: number of points of a file that exists; further ones are removed.
 
     Raises:
         UserError: the file cannot be written.
     """
 
     def __init__(
-        self, path: Path, coordinates: Mapping[str, Any] | None, attributes: Mapping[str, Any]
+        self,
+        path: Path,
+        coordinates: Mapping[str, Any] | None,
+        attributes: Mapping[str, Any],
+        points: int = 0,
     ) -> None:
         with writing(path):
             self._h5 = h5py.File(path, "w" if coordinates is not None else "r+")
             self._file = h5netcdf.File(self._h5, "r+" if coordinates is None else "w")
-        if coordinates is None:
-            return
         file = self._file
+        if coordinates is None:
+            file.resize_dimension("point", points)
+            return
         file.dimensions = {"point": None} | {name: len(each) for name, each in coordinates.items()}
         for name, each in coordinates.items():
             text = np.asarray(each).dtype.kind == "U"
             kind, data = (
                 (h5py.string_dtype(), np.array(each, dtype=object)) if text else ("f8", each)
             )
-            file.create_variable(name, (name,), kind, data=data)
-        for name, (dimensions, unit, label) in VARIABLES.items():
+            made = file.create_variable(name, (name,), kind, data=data)
+            made.attrs["units"] = "1"
+        for name, (dimensions, *_) in VARIABLES.items():
             made = file.create_variable(name, ("point", *dimensions), "f8")
-            made.attrs.update({"units": unit, "long_name": label})
+            made.attrs.update(_described(name, attributes))
         file.attrs.update(attributes)
         self._h5.flush()
 
@@ -84,11 +93,18 @@ def dataset(
         name: (
             ("point", *dimensions),
             np.stack([np.asarray(row[name], dtype=np.float64) for row in rows]),
-            {"units": unit, "long_name": label},
+            _described(name, attributes),
         )
-        for name, (dimensions, unit, label) in VARIABLES.items()
+        for name, (dimensions, *_) in VARIABLES.items()
     }
-    return xr.Dataset(data, dict(coordinates), dict(attributes))
+    axes = {name: (name, each, {"units": "1"}) for name, each in coordinates.items()}
+    return xr.Dataset(data, axes, dict(attributes))
+
+
+def _described(name: str, attributes: Mapping[str, Any]) -> dict[str, str]:
+    """Return unit and name of a variable of a branch with attributes."""
+    _, unit, label = VARIABLES[name]
+    return {"units": attributes[UNITS] if unit == OF_KEY else unit, "long_name": label}
 
 
 def rows(data: xr.Dataset) -> list[Row]:

@@ -16,11 +16,12 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.marched import MarchedNodes, marched_stage
 from bladewhirl.postprocess.periodic.branch import plot_branch
 from bladewhirl.postprocess.periodic.dataset import (
     BRANCH_NAME,
     KIND_NAMES,
+    TO_RESUME,
     open_branch,
     with_stability,
 )
@@ -31,17 +32,24 @@ from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.search import prolonged
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic.branch_file import (
+    UNITS,
     BranchFile,
     Row,
     dataset,
     rows,
 )
-from bladewhirl.studies.periodic.motions import HARMONICS, blade_of, check_periods, found_motion
-from bladewhirl.studies.periodic.origins import motion_of
+from bladewhirl.studies.periodic.motions import (
+    HARMONICS,
+    blade_of,
+    check_periods,
+    found_motion,
+    nodes_of,
+)
+from bladewhirl.studies.periodic.origins import check_nodes, motion_of
 from bladewhirl.studies.runs.columns import Column, rows_of, table
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.folder import CASE_NAME, case_files
-from bladewhirl.studies.sweeps.axes import NUMBER, OVER, check_key
+from bladewhirl.studies.sweeps.axes import NUMBER, OVER, check_key, unit_of
 
 INSTANTS = 256  #: instants of the points of a branch
 POINTS = 50  #: number of the longest steps from start to stop
@@ -131,25 +139,38 @@ class Family:
     def __init__(self, case: Case, parameter: Parameter, blade: int, periods: int) -> None:
         self._case, self._parameter = case, parameter
         self._blade, self._periods = blade, periods
-        start, stop = (self.built(value) for value in (parameter.start, parameter.stop))
+        first, width = parameter.start, parameter.stop - parameter.start
+        sampled = [self._stage(first + share * width) for share in (0.0, 1.0, *SPLIT)]
+        self._samples = [stage.contact_problem() for stage in sampled]
+        start, stop, *middle = (self._built(stage) for stage in sampled)
         self._ends = start, stop
         self._linear = comparable(start, stop) and all(
-            comparable(start, middle) and alike(middle, between(start, stop, share), LINEAR)
-            for share in SPLIT
-            for middle in [self.built(parameter.start + share * (parameter.stop - parameter.start))]
+            comparable(start, each) and alike(each, between(start, stop, share), LINEAR)
+            for each, share in zip(middle, SPLIT, strict=True)
         )
         self.grid = lru_cache(maxsize=8)(self._grid)
-        self.problem = marched_stage(parameter.case(case, parameter.start)).contact_problem()
+        self.problem = self._samples[0]
+        if start.speed * stop.speed <= 0.0:
+            raise UserError(f"{OVER} {parameter.key}: expected a range without the speed 0")
 
-    def built(self, value: float) -> Blade:
-        """Return the blade that is built from the case at a value of the parameter."""
-        stage = marched_stage(self._parameter.case(self._case, value))
-        return blade_of(stage, self._blade, self._periods)
+    def _stage(self, value: float) -> MarchedNodes:
+        """Return the stage of the case at a value of the parameter."""
+        return nodes_of(marched_stage(self._parameter.case(self._case, value)), self._blade)
+
+    def _built(self, stage: MarchedNodes) -> Blade:
+        """Return the blade of a stage, with the period and the unknowns of the whole range."""
+        return blade_of(stage, self._blade, self._periods, self._samples)
 
     def _grid(self, value: float, instants: int) -> Grid:
-        if not self._linear:
-            return Grid(self.built(value), instants)
         one = self._parameter
+        if not self._linear:
+            inside = min(max(value, min(one.start, one.stop)), max(one.start, one.stop))
+            try:
+                return Grid(self._built(self._stage(value)), instants)
+            except UserError:  # steps may leave the range to values that the case does not have
+                if inside == value:
+                    raise
+                return self.grid(inside, instants)
         share = (value - one.start) / (one.stop - one.start)
         return Grid(between(*self._ends, share), instants)
 
@@ -215,27 +236,32 @@ def branch(
     parameter = Parameter.of(case, over, start, stop)
     family = Family(case, parameter, blade, periods)
     grid = family.grid(parameter.start, instants)
-    first = _first(grid, parameter, None if origin is None else Path(origin))
+    first = _first(grid, parameter, None if origin is None else Path(origin), blade)
     attributes = {
         "title": "branch of periodic motions of a rub",
         "case": case.title,
         "key": over,
         "unit": parameter.unit,
+        UNITS: parameter.unit or unit_of(case, over),
         "start": parameter.start,
         "stop": parameter.stop,
         "blade": blade,
         "periods": periods,
         "points": points,
     }
-    if folder is not None:
+    files = case_files(case)
+
+    def made() -> Path:
+        """Return the folder, which is made with the first contact."""
+        assert folder is not None
         with writing(folder):
-            files = case_files(case)
             claim(folder, [BRANCH_NAME, *files], overwrite=overwrite)
             for name, content in files.items():
                 (folder / name).write_bytes(content)
-    return _Tracing(family, parameter, attributes, points, instants).run(
-        folder, [], first, progress
-    )
+        return folder
+
+    tracing = _Tracing(family, parameter, attributes, points, instants)
+    return tracing.run(None if folder is None else made, [], first, progress)
 
 
 def resume_branch(
@@ -251,28 +277,38 @@ def resume_branch(
         the Dataset of `branch`.
 
     Raises:
-        UserError: the folder has no branch, or cannot be written.
+        UserError: the folder has no branch, or one of an earlier version or of another case, or
+            cannot be written.
     """
     folder = Path(directory)
     data = open_branch(folder)
     if "ended" in data.attrs:
         return _derived(data)
     case, known = read_case(folder / CASE_NAME), data.attrs
+    regular = np.flatnonzero(data["kind"].values == 0)
+    if not {*TO_RESUME} <= data.data_vars.keys() or UNITS not in known or not len(regular):
+        raise UserError(f"{folder / BRANCH_NAME}: expected a branch of this version to resume")
     start, stop = (f"{float(known[name])!r} {known['unit']}".strip() for name in ("start", "stop"))
-    parameter = Parameter.of(case, known["key"], start, stop)
+    try:
+        parameter = Parameter.of(case, known["key"], start, stop)
+    except UserError as reason:
+        raise UserError(f"{folder}: {reason}") from None
     family = Family(case, parameter, int(known["blade"]), int(known.get("periods", 1)))
+    check_nodes(data, family.grid(parameter.start, data.sizes["instant"]).blade, str(folder))
     tracing = _Tracing(family, parameter, dict(known), int(known["points"]), data.sizes["instant"])
-    return tracing.run(folder, rows(data), None, progress)
+    found = rows(data)[: regular[-1] + 1]  # bifurcations are found again with the next point
+    return tracing.run(lambda: folder, found, None, progress)
 
 
-def _first(grid: Grid, parameter: Parameter, origin: Path | None) -> Motion:
-    """Return the motion at the start of a branch.
+def _first(grid: Grid, parameter: Parameter, origin: Path | None, number: int) -> Motion:
+    """Return the motion at the start of a branch of a blade with a number.
 
     Raises:
         UserError: no motion was found.
     """
     where = parameter.text(parameter.start)
-    guess = found_motion(grid.blade, where) if origin is None else motion_of(origin, grid.blade)
+    blade = grid.blade
+    guess = found_motion(blade, where) if origin is None else motion_of(origin, blade, number)
     try:
         motion = prolonged(guess.on(grid))
     except NotConverged as reason:
@@ -300,15 +336,17 @@ class _Tracing:
         )
         self._rows: list[Row] = []
         self._sink: BranchFile | None = None
+        self._opened: Callable[[], BranchFile | None] = lambda: None
 
     def run(
         self,
-        folder: Path | None,
+        made: Callable[[], Path] | None,
         known: list[Row],
         first: Motion | None,
         progress: Callable[[float, int], None] | None,
     ) -> xr.Dataset:
-        """Follow the branch from its first motion, or after known points, and return it."""
+        """Follow the branch from its first motion, or after known points, and return it; `made`
+        returns the folder of its file."""
         blade, parameter = (
             self._family.grid(self._parameter.start, self._instants).blade,
             self._parameter,
@@ -321,37 +359,48 @@ class _Tracing:
             "multiplier": np.arange(2.0 * len(blade.stiffness)),
         }
         with ExitStack() as stack:
-            if folder is not None:
-                file = BranchFile(
-                    folder / BRANCH_NAME, None if known else coordinates, self._attributes
-                )
-                self._sink = stack.enter_context(file)
-            self._rows = list(known)
+
+            def opened() -> BranchFile | None:
+                """Return the file of the branch, with the points so far."""
+                if made is None:
+                    return None
+                place = made() / BRANCH_NAME
+                axes = None if known else coordinates
+                sink = stack.enter_context(BranchFile(place, axes, self._attributes, len(known)))
+                for row in self._rows[len(known) :]:
+                    sink.add(row)
+                return sink
+
+            self._opened, self._rows = opened, list(known)
             try:
                 if first is not None:
                     sign = float(np.sign(parameter.stop - parameter.start))
-                    begin = self._branch.begin(first, parameter.start, sign)
+                    begin = start = self._branch.begin(first, parameter.start, sign)
                     self._add(begin, bifurcation.multipliers(begin))
                 else:
-                    begin = self._last()
-                ended = self._follow(begin, progress)
+                    start, begin = self._point(known[0]), self._point(known[-1])
+                ended = self._follow(start, begin, progress)
             except NotConverged as reason:
                 ended = f"lost: {reason}"
             self._drop_pairs()
             if self._sink is not None:
                 self._sink.note(ended=ended)
+            if progress is not None:
+                progress(1.0, len(self._rows))
         return _derived(dataset(self._rows, coordinates, {**self._attributes, "ended": ended}))
 
-    def _follow(self, begin: Point, progress: Callable[[float, int], None] | None) -> str:
-        """Add the points after one and return why the branch ends.
+    def _follow(
+        self, start: Point, begin: Point, progress: Callable[[float, int], None] | None
+    ) -> str:
+        """Add the points after one to a branch with a start, and return why the branch ends.
 
         Raises:
             NotConverged: the branch was lost.
         """
         one, limit = self._parameter, self._family.problem.displacement_limit
         low, high = sorted((one.start, one.stop))
-        before, values, start = begin, bifurcation.multipliers(begin), None
-        for point in self._branch.follow(begin, LONGEST, LONGEST):
+        before, values = begin, bifurcation.multipliers(begin)
+        for point in self._branch.follow(begin, LONGEST, begin.ahead or LONGEST):
             edge = min(max(point.parameter, low), high)
             left = edge != point.parameter
             if left:
@@ -361,8 +410,6 @@ class _Tracing:
             for each in bifurcation.found(self._branch, before, point, kinds):
                 self._add(each.point, bifurcation.multipliers(each.point), each)
             self._add(point, after)
-            if progress is not None:
-                progress(abs(point.parameter - one.start) / one.length, len(self._rows))
             if left:
                 return f"reaches {one.text(edge)}"
             largest = np.abs(point.motion.displacement).max()
@@ -371,11 +418,12 @@ class _Tracing:
                     f"stopped: at {one.text(point.parameter)} contact nodes move by"
                     f" {largest:.4g} m, beyond march.displacement_limit = {limit:.4g} m"
                 )
-            if start is not None and self._returned(start, before, point):
+            if self._returned(start, before, point):
                 return "closed: returns to its start"
             if len(self._rows) >= MOST_POINTS:
                 return f"stopped: after {MOST_POINTS} points"
-            start = start or begin
+            if progress is not None:
+                progress(abs(point.parameter - one.start) / one.length, len(self._rows))
             before, values = point, after
         raise AssertionError
 
@@ -408,27 +456,28 @@ class _Tracing:
             "slip_direction": motion.angle[::every],
             "contact_displacement": moved[::every],
             "amplitude": spectrum,
+            "tangent_force": point.normal[::every],
+            "tangent_direction": point.angle[::every],
+            "next_step": point.ahead,
         }
         self._rows.append(row)
         if self._sink is not None:
             self._sink.add(row)
+        elif motion.touches:
+            self._sink = self._opened()
 
-    def _last(self) -> Point:
-        """Return the last regular point of the known ones, with the tangent from that before it."""
-        regular = [row for row in self._rows if row["kind"] == 0]
-        one, before = regular[-1], regular[-2 if len(regular) > 1 else -1]
-        value = float(one["parameter"])
-        motion = Motion(
-            self._family.grid(value, self._instants), one["normal_force"], one["slip_direction"]
-        )
-        ahead = Point(
-            motion,
+    def _point(self, row: Row) -> Point:
+        """Return a regular point that was recorded."""
+        value = float(row["parameter"])
+        grid = self._family.grid(value, self._instants)
+        return Point(
+            Motion(grid, row["normal_force"], row["slip_direction"]),
             value,
-            one["normal_force"] - before["normal_force"],
-            np.zeros_like(motion.normal),
-            value - float(before["parameter"]) or float(one["heading"]),
+            row["tangent_force"],
+            row["tangent_direction"],
+            float(row["heading"]),
+            ahead=float(row["next_step"]),
         )
-        return self._branch.corrected(ahead, 0.0)
 
     def _drop_pairs(self) -> None:
         """Leave out pairs of folds that are closer to each other than to those on other grids, and

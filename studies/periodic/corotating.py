@@ -29,6 +29,10 @@ COLUMNS = (
     Column("tips", "tips in contact", "d"),
     Column("normal_force"),
     Column("radius", "radius of the shaft [mm]", ".5f", 1e3),
+    Column("growth_rate", "growth rate [1/s]", ".4g"),
+    Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+    Column("multipliers", variable="pairs"),
+    Column("stable", "stable"),
     Column("residual"),
 )
 """Columns of the solutions."""
@@ -67,6 +71,8 @@ def dataset(
     gap = np.stack([each.gap for _, each in found])
     centre = np.stack([each.centre for _, each in found])
     period = 2.0 * np.pi / np.abs(speeds)
+    common = min(len(each.rates) for _, each in found)
+    rates = np.stack([each.rates[:common] for _, each in found])
     return xr.Dataset(
         {
             "impulse_per_revolution": quantity(
@@ -75,6 +81,10 @@ def dataset(
             "normal_force": quantity(("speed", "tip"), normal, "N", "normal force"),
             "gap": quantity(("speed", "tip"), gap, "m", "gap"),
             "centre": quantity(("speed", "axis"), centre, "m", "displacement of the centre"),
+            "growth_rate": quantity("speed", rates[:, 0].real, "1/s", "growth rate of deviations"),
+            "period": quantity("speed", period, "s"),
+            "multipliers": (("speed", "multiplier"), np.exp(rates * period[:, None])),
+            "stable": ("speed", [each.stable for _, each in found]),
         },
         coords={
             "speed": quantity("speed", speeds / reference, "1", "normalised speed"),
@@ -105,17 +115,20 @@ def plot_corotating(data: xr.Dataset) -> Figure:
 
 
 def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
-    """Return the document, table and figure of constant contact. Its stability is not computed:
-    `multipliers` are empty and `stable` is null."""
+    """Return the document, table and figure of constant contact; a multiplier is the factor by
+    which a small deviation grows in a turn."""
+    values = data["multipliers"].values
     normal, gap = data["normal_force"], abs(data["gap"])
     shown = data.assign(
         speed_rad_s=data["rpm"] * np.pi / 30.0,
         largest_force=normal.max("tip"),
         tips=(normal != 0.0).sum("tip"),
         radius=np.hypot(data["centre"].sel(axis="x"), data["centre"].sel(axis="y")),
+        largest_multiplier=np.abs(data["multipliers"][:, 0]),
+        pairs=(("speed", "multiplier", "part"), np.stack([values.real, values.imag], axis=-1)),
         residual=gap.where(normal > 0.0).max("tip") / gap.max("tip"),
     )
-    rows = [row | {"multipliers": [], "stable": None} for row in rows_of(shown, COLUMNS)]
+    rows = rows_of(shown, COLUMNS)
     document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],
         "solutions": rows,

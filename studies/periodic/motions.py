@@ -18,6 +18,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import Marchable, MarchedNodes, marched_stage
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
+from bladewhirl.solvers.periodic.corotating import obstacles
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating, fine_stability
@@ -82,7 +83,10 @@ def periodic(
     If the loads are constant in rotating axes, as those of an imbalance, and the wall is round,
     contact is constant in these axes too: on bladed disks of beams or superelements, in a rigid or
     a uniform flexible casing. The Dataset then has `normal_force` [N] and `gap` [m] of each tip,
-    `centre` [m] and `impulse_per_revolution`; the stability is not computed.
+    `centre` [m], `impulse_per_revolution`, `growth_rate` [1/s] of the fastest small deviation,
+    `multipliers`, the factors of deviations in a turn, and `stable`. Above critical speeds and with
+    dampers in the static frame there can be several such motions: a stable one is returned if the
+    search finds one.
 
     Args:
         case_or_stage: a case with a superelement of the kind "blade" in a rigid wall or, with equal
@@ -123,14 +127,14 @@ def periodic(
         speed = speed_of(each, f"periodic: speeds {each!r}")
         at_speed = marched_stage(with_values(stage, {"march.speed": speed.given}))
         reference = at_speed.reference_frequency
-        problem = at_speed.contact_problem()
+        problem = at_speed.contact_problem(steps=False)
         rests = corotating.is_corotating(problem)
         structure = None if rests else blade_of(at_speed, blade, periods)
         try:
             if structure is None:
                 constant.append((problem, corotating.solution(problem, str(speed))))
             else:
-                start = None if origin is None else motion_of(Path(origin), structure)
+                start = None if origin is None else motion_of(Path(origin), structure, blade)
                 solutions.append(solution(problem, structure, str(speed), blade, start))
         except UserError as failure:
             failures += failure.lines
@@ -145,26 +149,42 @@ def periodic(
     return data.assign_attrs(failures="\n".join(failures))
 
 
-def blade_of(stage: Any, blade: int, periods: int = 1) -> Blade:
-    """Return a blade of a stage for the method, whose motion has several periods of the wall.
+def nodes_of(stage: Any, blade: int) -> MarchedNodes:
+    """Return a stage whose blade with a number is a superelement of its own.
+
+    Raises:
+        UserError: it has no such blade.
+    """
+    expected = "a superelement, as tips of beams have mass"
+    if isinstance(stage, MarchedNodes):
+        table = stage.model.table
+        expected = f'bladed_disk.superelement.kind = "blade", found "{table.kind}"'
+    if not isinstance(stage, MarchedNodes) or table.kind != "blade":
+        problem = stage.contact_problem(steps=False)
+        reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")
+        raise UserError(
+            f"periodic: {reason}, so that contact is not constant in rotating axes; other motions"
+            f" need {expected}"
+        )
+    if not 0 <= blade < table.copies:
+        raise UserError(f"periodic: blade {blade}: expected 0 to {table.copies - 1}")
+    return stage
+
+
+def blade_of(
+    stage: Any, blade: int, periods: int = 1, others: Sequence[ContactProblem] = ()
+) -> Blade:
+    """Return a blade of a stage for the method, whose motion has several periods of the wall; for
+    `others` see `Blade.of_problem`.
 
     Raises:
         UserError: the method does not apply.
     """
-    if not isinstance(stage, MarchedNodes):
-        raise UserError("periodic: tips of beams have mass; expected a superelement")
-    table = stage.model.table
-    if table.kind != "blade":
-        raise UserError(
-            f'periodic: bladed_disk.superelement.kind = "{table.kind}": expected "blade"; blades'
-            " that are coupled through the disk are not included"
-        )
-    if not 0 <= blade < table.copies:
-        raise UserError(f"periodic: blade {blade}: expected 0 to {table.copies - 1}")
     if periods < 1:
         raise UserError(f"periodic: periods {periods}: expected at least 1")
     try:
-        structure = Blade.of_problem(stage.contact_problem(), blade)
+        problem = nodes_of(stage, blade).contact_problem()
+        structure = Blade.of_problem(problem, blade, others)
     except ValueError as reason:
         raise UserError(f"periodic: {reason}") from None
     if periods > 1 and structure.ring is not None:

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
@@ -15,35 +16,51 @@ FEWEST_RECORDS = 64  #: records of a run in a period of the motion
 INSTANTS = 256  #: instants of the motion of a run
 
 
-def motion_of(folder: Path, blade: Blade) -> Motion:
+def motion_of(folder: Path, blade: Blade, number: int) -> Motion:
     """Return the forces in a folder as a guess of a motion of a blade.
 
     Args:
         folder: folder of a run, whose last period is taken, or of a branch.
         blade: the structure and its number of periods.
+        number: number of the blade, whose forces in a run are taken.
 
     Raises:
         UserError: the folder has neither, or other contact nodes, or too few records.
     """
-    return _of_branch(folder, blade) if (folder / BRANCH_NAME).exists() else _of_run(folder, blade)
-
-
-def _of_branch(folder: Path, blade: Blade) -> Motion:
+    if not (folder / BRANCH_NAME).exists():
+        return _of_run(folder, blade, number)
     last = open_branch(folder).isel(point=-1)
-    nodes, periods = last["normal_force"].shape[1], int(last.attrs.get("periods", 1))
-    if nodes != blade.nodes or periods != blade.periods:
-        raise UserError(
-            f"{folder}: has {nodes} contact nodes and motions of {periods} periods; expected"
-            f" {blade.nodes} nodes and {blade.periods} as here"
-        )
+    check_nodes(last, blade, str(folder))
     own = Grid(blade, last.sizes["instant"])
     return Motion(own, last["normal_force"].values, last["slip_direction"].values)
 
 
-def _of_run(folder: Path, blade: Blade) -> Motion:
+def check_nodes(branch: xr.Dataset, blade: Blade, place: str) -> None:
+    """Check that the motions of a branch at a place are those of a blade.
+
+    Raises:
+        UserError: it has other contact nodes, or motions of another number of periods.
+    """
+    nodes, periods = branch.sizes["node"], int(branch.attrs.get("periods", 1))
+    if nodes != blade.nodes or periods != blade.periods:
+        raise UserError(
+            f"{place}: has {nodes} contact nodes and motions of {periods} periods; expected"
+            f" {blade.nodes} nodes and {blade.periods} as here"
+        )
+
+
+def _of_run(folder: Path, blade: Blade, number: int) -> Motion:
     with open_result(folder) as result:
         time = result["time"].values
-        impulse = result["contact_impulse"].values.reshape(len(time), -1)[:, : blade.nodes]
+        own = result["blade"].values == number
+        if np.count_nonzero(own) != blade.nodes:
+            raise UserError(
+                f"{folder}: has {np.count_nonzero(own)} contact nodes on blade {number}; expected"
+                f" {blade.nodes} as here"
+            )
+        impulse = result["contact_impulse"].values[:, own]
+    if len(time) < FEWEST_RECORDS:
+        raise UserError(f"{folder}: has {len(time)} records; expected at least {FEWEST_RECORDS}")
     step, grid = float(np.diff(time).mean()), Grid(blade, INSTANTS)
     if step > blade.period / FEWEST_RECORDS or time[-1] < 2.0 * blade.period:
         raise UserError(

@@ -67,7 +67,7 @@ def record_motion(
         growth = float(np.abs(one["multipliers"].values[0])) ** (turns / share)
         if growth > GROWTH:
             raise ViewError(
-                f"no record for films: a march leaves the motion at {float(one['rpm']):g} rpm, from"
+                f"a march leaves the motion at {float(one['rpm']):g} rpm, from"
                 f" which deviations grow by a factor of {growth:.3g} in {turns} revolutions"
             )
     step = own.march.time_step

@@ -329,8 +329,8 @@ def unit_of(case: Case, key: str) -> str:
 
 def _numeric_keys(table: Table) -> Iterator[tuple[str, type[Table]]]:
     """Yield the dotted keys with numerical values, and the kinds of the tables that have them."""
-    for name, field in type(table).model_fields.items():
-        value = getattr(table, name)
+    for attribute, field in type(table).model_fields.items():
+        name, value = field.alias or attribute, getattr(table, attribute)
         rows: Iterable[tuple[object, Table]] = ()
         if isinstance(value, Mapping):
             rows = value.items()

@@ -41,6 +41,7 @@ from bladewhirl.studies.sweeps.rounds import Rounds
 from bladewhirl.studies.sweeps.starts import StartName, follow_branches
 from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
+from bladewhirl.studies.sweeps.workers import process_context
 
 HISTORIES_NAME = "histories"  #: name of the folder of full histories
 
@@ -158,6 +159,8 @@ def run_sweep(
     """
     directory = Path(directory)
     require_new(directory)
+    if scheduler is None:
+        process_context()
     if over and table is not None:
         raise UserError(f"{OVER}, {TABLE}: omit one of them")
     grid = make_grid(
@@ -252,6 +255,7 @@ def _carry_out(
             plan, store, partial(march_points, work, scheduler=scheduler, workers=workers)
         )
         for number, outcome in rounds.outcomes():
+            _check_there(directory)
             if outcome is None:
                 store.leave_out(number)
                 if plan.histories:
@@ -272,12 +276,23 @@ def _carry_out(
             wall_time=time.perf_counter() - began,
             marched=marched,
         )
+    _check_there(directory)
     if swept.done == swept.points:
         shutil.rmtree(states, ignore_errors=True)
     swept = replace(swept, left_out=leave_figures(directory))
     if swept.failures and not swept.done:
         raise SweepFailed(swept)
     return swept
+
+
+def _check_there(directory: Path) -> None:
+    """Check that nobody has removed the folder of a sweep, which is not made again.
+
+    Raises:
+        UserError: the folder, or the dataset in it, is missing.
+    """
+    if not (directory / SWEEP_NAME).exists():
+        raise UserError(f"{directory}: was removed while the sweep was running")
 
 
 def _add_draws(

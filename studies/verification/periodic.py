@@ -30,7 +30,7 @@ def oscillator(speed: float, force: float, damping: float = 0.0) -> Blade:
         loads={1: np.array([force + 0j])},
         speed=speed,
         friction=0.0,
-        full=False,
+        turns=False,
         lobes=1,
     )
 

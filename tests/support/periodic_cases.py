@@ -11,7 +11,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion
+from bladewhirl.solvers.periodic.search import periodic_motion
 
 
 def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> ContactProblem:
@@ -57,6 +59,17 @@ def case(**changes: Any) -> bw.Case:
         },
     }
     return bw.with_values(bw.case_from(tables), changes)
+
+
+def rub(problem: ContactProblem) -> Motion:
+    """The periodic motion of a blade, with contact forces and, as far as there are loads, with
+    forces of each engine order that are not zero."""
+    blade = Blade.of_problem(problem)
+    orders = {round(abs(load.frequency / problem.speed)) for load in problem.loads}
+    assert orders == {order for order, force in blade.loads.items() if np.any(force)}
+    motion = periodic_motion(blade)
+    assert motion.touches
+    return motion
 
 
 def marched(

@@ -19,7 +19,11 @@ from bladewhirl.studies.periodic.branch_file import dataset
 
 RPM = np.pi / 30.0
 SPEEDS = (6000.0, 7000.0, 7500.0, 7300.0, 7600.0)  #: the branch turns back twice [rpm]
-COORDINATES = {"direction": ["radial", "tangential", "axial"]}
+COORDINATES = {
+    "direction": ["radial", "tangential", "axial"],
+    **{name: np.zeros(1) for name in ("node", "order", "multiplier")},
+    "instant": [0.0, 0.5],
+}
 KEYS = {"march.speed": (6000.0 * RPM, 7000.0 * RPM), "casing.clearance": (1e-4, 2e-4)}
 UNITS = {"march.speed": "rad/s", "casing.clearance": "m"}
 
@@ -39,6 +43,9 @@ def row(speed: float, radial: float, multiplier: float) -> dict[str, Any]:
         "slip_direction": np.zeros((2, 1)),
         "contact_displacement": moved,
         "amplitude": np.zeros((1, 1, 3)),
+        "tangent_force": np.zeros((2, 1)),
+        "tangent_direction": np.zeros((2, 1)),
+        "next_step": 0.1,
     }
 
 
@@ -46,7 +53,13 @@ def stored(folder: Path, clearance: str = "0.4 mm", size: float = 1.0) -> Path:
     """The folder of a branch at a clearance with an amplitude of 2 mm times `size` at 7500 rpm."""
     radial = size * np.array([1e-3, 2e-3, 4e-3, 2.5e-3, 1e-3])
     rows = map(row, SPEEDS, radial, [0.9, 0.9, 0.9, 1.1, 0.9])
-    attributes = {"key": "march.speed", "unit": "rpm", "case": "a blade"}
+    attributes: dict[str, Any] = {
+        "key": "march.speed",
+        "unit": "rpm",
+        "key_units": "rpm",
+        "case": "a blade",
+    }
+    attributes |= {"title": "a branch", "start": 6000.0, "stop": 7600.0}
     folder.mkdir()
     dataset(rows, COORDINATES, attributes).to_netcdf(folder / "branch.nc", engine="h5netcdf")
     (folder / "case.toml").write_text(bw.dumps_case(case(**{"casing.clearance": clearance})))

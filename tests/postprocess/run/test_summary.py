@@ -4,6 +4,7 @@ import io
 import json
 import re
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,26 @@ class TestSummarise:
         summary = summarise(short, REPORT | {"steps": 0 if records == 1 else 1000 * (records - 1)})
         assert summary.regime in ("no-contact", "sustained")
         assert "too few records or periods" in summary.regime_criterion
+        assert summary_rows(summary)["regime"] in ("no-contact", "contact up to the end")
+
+    @pytest.mark.parametrize(
+        ("line", "share", "expected"),
+        [
+            (0.0022, 1.0, "none, the displacement is constant"),
+            (0.0022, 0.4, "no single whirl frequency; strongest lines 40% at 0.0022 Hz"),
+            (22.0, 1.0, "no single whirl frequency; strongest lines 100% at 22 Hz"),
+        ],
+    )
+    def test_a_displacement_that_turns_with_the_rotor_is_constant(
+        self, result: xr.Dataset, line: float, share: float, expected: str
+    ) -> None:
+        summary = replace(
+            summarise(result, REPORT),
+            end_time=1.0,
+            whirl_frequency_rotating=None,
+            whirl_lines=[{"rotating": line, "static": line + 40.0, "share": share}],
+        )
+        assert summary_rows(summary)["whirl, rotating frame"] == expected
         json.loads(summary.to_json())
 
     @pytest.mark.slow
@@ -433,7 +454,7 @@ class TestWriting:
         summary = summarise(result, REPORT)
         Console(file=text, width=100).print(facts(summary_rows(summary)))
         shown = text.getvalue()
-        for line in ("0.8 mm", "of 22", "1F, k = 1", summary.regime, "4.38 µs a step"):
+        for line in ("0.8 mm", "of 22", "1F, k = 1", "up to the end", "4.38 µs a step"):
             assert line in shown
 
     def test_the_yield_strength_is_compared(self, result: xr.Dataset) -> None:

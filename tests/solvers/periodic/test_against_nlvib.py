@@ -30,7 +30,7 @@ def oscillator(frequency: float) -> Grid:
         loads={1: FORCE * SHAPES[1] + 0j},
         speed=frequency,
         friction=0.0,
-        full=False,
+        turns=False,
         lobes=1,
     )
     return Grid(blade, INSTANTS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.optimize as so
 from boundary_cases import bladed
-from periodic_cases import decay, marched, states, twisted_blade
+from periodic_cases import decay, marched, rub, states, twisted_blade
 
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.solvers.periodic.blade import Blade, Grid
@@ -57,7 +57,7 @@ def test_a_blade_in_an_oval_wall_moves_as_in_a_march(
     speed: str, sliding: str, friction: float, closure: str
 ) -> None:
     problem = twisted_blade(speed, sliding, friction, closure)
-    motion = periodic_motion(Blade.of_problem(problem))
+    motion = rub(problem)
     assert motion.grid.blade.lobes == 2
     assert motion.residual < 1e-9
     chunk = marched(problem, motion, 5e-7, 80)

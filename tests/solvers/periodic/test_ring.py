@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from periodic_cases import case, decay
+from periodic_cases import case, decay, rub
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
@@ -14,7 +14,6 @@ from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import Motion
 from bladewhirl.solvers.periodic.ring import Ring
-from bladewhirl.solvers.periodic.search import periodic_motion
 from bladewhirl.solvers.periodic.stability import monodromy
 
 RING = {
@@ -24,7 +23,7 @@ RING = {
     "casing.wall": {"width": "60 mm", "thickness": "8 mm"},
     "contact.friction": 0.1,
 }
-ORDERS = {"type": "engine-order", "order": 4, "points": [0], "amplitude": "3 N"}
+ORDERS = {"type": "engine-order", "order": 4, "phase": 2.0, "amplitude": "10 N"}
 
 
 def bladed_ring(copies: int, damping: float, **changes: Any) -> ContactProblem:
@@ -54,8 +53,8 @@ def impulse_of_last_turn(chunk: Any, records: int) -> FloatArray:
 )
 def test_sixteen_blades_move_as_in_a_march(changes: Any) -> None:
     problem, records = bladed_ring(16, 0.05, **changes), 16
-    blade = Blade.of_problem(problem)
-    motion = periodic_motion(blade)
+    motion = rub(problem)
+    blade = motion.grid.blade
     assert motion.impulse > 0.1
     chunk = marched(problem, blade, 1e-6, 16, records)
     each = impulse_of_last_turn(chunk, records)
@@ -74,8 +73,8 @@ def test_sixteen_blades_move_as_in_a_march(changes: Any) -> None:
 )
 def test_a_march_of_sixteen_blades_leaves_unstable_motions_only(speed: str, stable: bool) -> None:
     problem = bladed_ring(16, 0.05, **{"march.speed": speed})
-    blade = Blade.of_problem(problem)
-    motion = periodic_motion(blade)
+    motion = rub(problem)
+    blade = motion.grid.blade
     assert monodromy(motion).stable == stable
     each = impulse_of_last_turn(marched(problem, blade, 5e-7, 80, 1), 1) / motion.impulse
     assert (np.abs(each - 1.0).max() < 1e-2) == stable
@@ -96,8 +95,8 @@ def test_deviations_of_blades_and_ring_decay_as_in_a_march(
         "casing.elements": 80,
     }
     problem = bladed_ring(copies, damping, **changes)
-    blade = Blade.of_problem(problem)
-    motion = periodic_motion(blade)
+    motion = rub(problem)
+    blade = motion.grid.blade
     chunk = marched(problem, blade, 5e-7, 160, 1)
     impulse = 2.0 * chunk.contact_impulse[-1].sum() / copies
     assert impulse == pytest.approx(motion.impulse, rel=5e-3)
@@ -110,8 +109,8 @@ def test_deviations_of_blades_and_ring_decay_as_in_a_march(
 def test_passages_of_blades_lead_to_the_matrix_of_a_period() -> None:
     """A motion of two periods is another one with a period of a turn."""
     problem = bladed_ring(4, 0.05)
-    blade = Blade.of_problem(problem)
-    motion = periodic_motion(blade)
+    motion = rub(problem)
+    blade = motion.grid.blade
     by_passage = monodromy(motion).multipliers
     fine = Grid(replace(blade, lobes=1), 2 * motion.grid.instants)
     twice = Motion(fine, np.tile(motion.normal, (2, 1)), np.tile(motion.angle, (2, 1)))
@@ -142,6 +141,21 @@ def test_harmonics_of_the_ring_are_its_modes() -> None:
     assert ring.between(0.0, angle) @ force == pytest.approx(by_modes, abs=1e-3 * by_modes.max())
 
 
+def test_loads_of_one_order_are_judged_together() -> None:
+    """The cosine and the sine part alone are not the same on all blades; a standing wave on the
+    blades is no engine order."""
+    problem = bladed_ring(4, 0.05, excitation={**ORDERS, "order": 3})
+    cosine, sine = problem.loads
+    assert cosine.rotor.any()
+    assert sine.rotor.any()
+    Blade.of_problem(problem)
+    for loads in ((cosine,), (sine,), (cosine, replace(sine, rotor=-sine.rotor))):
+        with pytest.raises(ValueError, match="not fixed in space"):
+            Blade.of_problem(replace(problem, loads=loads))
+    opposite = replace(cosine, rotor=-(1.0 + 1e-15) * cosine.rotor)
+    assert not Blade.of_problem(replace(problem, loads=(cosine, opposite))).loads
+
+
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
@@ -155,6 +169,7 @@ def test_harmonics_of_the_ring_are_its_modes() -> None:
             "not uniform",
         ),
         ({"casing.support": 0.0}, "no stiffness"),
+        ({"march.speed": 0.0, "excitation": ORDERS}, "no period"),
     ],
 )
 def test_what_does_not_follow_one_another(changes: Any, reason: str) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from command_line import loaded, refusal
 from small_run import COMMAND
+from typer import Exit
 from typer.main import get_command
 from typer.testing import CliRunner
 
@@ -21,7 +22,7 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.superelements import solver
 from bladewhirl.studies.commands import cli, marches, show, terminal
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.commands.terminal import progress_bar
+from bladewhirl.studies.commands.terminal import interruptible, progress_bar
 from bladewhirl.studies.modal import campbell, modes, response, stability_report
 from bladewhirl.studies.runs.columns import Column, table
 
@@ -59,6 +60,19 @@ def test_sigterm_ends_a_command_as_ctrl_c_does(
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def test_a_command_that_is_stopped_names_no_folder_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for folder, text in (
+        (tmp_path, "interrupted; it continues"),
+        (tmp_path / "out", "interrupted; nothing is written"),
+        (None, "interrupted; nothing is written"),
+    ):
+        with pytest.raises(Exit), interruptible("it continues", folder):
+            raise KeyboardInterrupt
+        assert capsys.readouterr().err.strip() == text
 
 
 def test_workers_end_with_their_parent_before_they_load_anything() -> None:

@@ -54,7 +54,9 @@ def page(folder: Path) -> Parsed:
 def test_it_stands_alone(folder: Path) -> None:
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "default-src 'none'" in text  # what a browser would refuse to load
-    assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;&lt;/script&gt;: Sustained</title>" in text
+    assert (
+        "<title>&lt;b&gt;a &amp; b&lt;/b&gt;&lt;/script&gt;: Contact up to the end</title>" in text
+    )
     assert not [path.name for path in folder.iterdir() if path.name.startswith(".")]
 
 
@@ -116,7 +118,7 @@ def test_a_killed_march_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert bw.report(run, target) == target
     page = Parsed(target.read_text(encoding="utf-8"))
     assert "it was killed, or is still running. The last record is at 0.9 s" in page.words
-    assert "Sustained so far" in page.words
+    assert "Contact up to the end so far" in page.words
     assert "complementarity residual" not in page.words
     assert not re.search(r"\bnan\b", page.words)
     assert "900000" in page.words  # steps up to the last record

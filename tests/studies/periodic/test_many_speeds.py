@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from periodic_cases import case, growth, marched
+from periodic_cases import case, growth, marched, rub
 
 import bladewhirl as bw
 from bladewhirl.models.stage.marched import marched_stage
-from bladewhirl.solvers.periodic.blade import Blade
-from bladewhirl.solvers.periodic.search import periodic_motion
 
 SPEEDS = np.linspace(4200.0, 8200.0, 21)  #: [rpm]
 STEPS = 1e-6 / 2.0 ** np.arange(5)  #: time steps of marches [s]
@@ -28,7 +26,7 @@ def test_impulses_and_multipliers_are_those_of_marches(closure: str) -> None:
         problem = marched_stage(
             bw.with_values(own, {"march.speed": f"{speed} rpm"})
         ).contact_problem()
-        motion = periodic_motion(Blade.of_problem(problem))
+        motion = rub(problem)
         leading = float(np.abs(one["multipliers"].values[0]))
         rates = list[float]()
         for step in STEPS:

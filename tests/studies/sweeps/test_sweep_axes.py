@@ -4,10 +4,19 @@ import numpy as np
 import pytest
 from faults import fault
 
+import bladewhirl as bw
 from bladewhirl.models.case.analysis import March
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.sweeps.axes import Axis, Value, coordinate, make_grid, parse_over
+from bladewhirl.models.inputs.table import path_of, value_at
+from bladewhirl.studies.sweeps.axes import (
+    Axis,
+    Value,
+    check_key,
+    coordinate,
+    make_grid,
+    parse_over,
+)
 from bladewhirl.studies.sweeps.plan import plan_sweep
 
 
@@ -120,3 +129,18 @@ def test_values_of_several_units_have_no_coordinate_in_one_of_them() -> None:
     np.testing.assert_array_equal(
         Axis(key="k", values=("2500 rpm", "26e2rpm")).numbers, [2500, 2600]
     )
+
+
+def test_keys_have_the_names_of_the_case_file() -> None:
+    """Not those of attributes, as `from` is no name in Python."""
+    lost = bw.case_from({"blade_loss": {"blade": 3, "time": "1 ms", "from": 0.5}})
+    ramp = {"from": "100 rpm", "to": "200 rpm", "end": "2 s"}
+    faster = bw.case_from({"march": {"run_up": ramp}})
+    for case, key, other in (
+        (lost, "blade_loss.from", "blade_loss.share"),
+        (faster, "march.run_up.from", "march.run_up.first"),
+    ):
+        check_key(case, key)
+        assert value_at(case, path_of(key)) is not None
+        with pytest.raises(UserError, match="holds a number"):
+            check_key(case, other)

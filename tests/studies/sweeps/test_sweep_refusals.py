@@ -19,6 +19,7 @@ KEYS: list[tuple[dict[str, Any], str]] = [
     ({"march.sped": (1, 2)}, "holds a number; the nearest is march.speed"),
     ({"contact.sliding": (1, 2)}, "holds a number; the nearest is contact."),
     ({"march": (1, 2)}, "holds a number; the nearest is "),
+    ({"blade_loss.share": (0.1, 0.5)}, "holds a number; the nearest is "),
     ({"excitation.clearance_speed": (1, 2)}, "holds a number; the nearest is "),
     *(
         ({"march.speed": values}, "--over march.speed: expected")
@@ -83,7 +84,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"carry": "up", "over": {"contact.friction": [0.1, 0.2]}}, "needs --over march.speed"),
     ({"carry": "up", "stop_when": "damped"}, "not allowed together with --screen, --until"),
-    ({"start": "periodic"}, "--start periodic: periodic: tips of beams have mass"),
+    ({"start": "periodic"}, "as tips of beams have mass"),
     ({"start": "periodic", "histories": True}, "--start periodic: not allowed together with"),
     ({"carry": "up"}, "--continue: expected marches of at least 3 revolutions, not of"),
     ({"carry": "up", "case": CLOSING}, "--continue: expected a casing without casing.coating"),
