@@ -27,7 +27,7 @@ POSITIVE = (
 )
 NUMBERS = (
     "format speed friction clamped steps complementarity_residual unsolved_steps "
-    "dt_over_critical wall_time us_per_step fuse_time"
+    "dt_over_critical wall_time us_per_step fuse_time unsolved_time unsolved_impulse unsolved_wear"
 )
 TEXTS = "title version symmetry blade_loss case end_reason end_message over criterion window"
 """Attributes of results and sweeps that are validated if a file contains them."""

@@ -21,7 +21,7 @@ from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
-from bladewhirl.postprocess.run.wear import wear_summary
+from bladewhirl.postprocess.run.wear import wear_summary, worn_volume
 from bladewhirl.postprocess.shaft.crossings import crossings
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
@@ -137,6 +137,9 @@ class Summary:
     unsolved_steps: int
     """Number of steps whose contact problem was not solved: no exact method succeeded, or forces or
     sliding directions did not converge."""
+    unsolved_time: float | None  #: end of the first of these steps [s]; None without one
+    unsolved_impulse_share: float  #: share of the contact impulse that these steps have
+    unsolved_wear_share: float  #: share of the worn volume that these steps have
     record_step: float  #: time between the records, of which largest values are [s]
     dt_over_critical: float  #: ratio of the time step to the critical time step
     steps: int
@@ -219,8 +222,16 @@ def summarise(
         record_step=float(dataset.attrs["record_step"]),
         energy_residual=energy_residual(dataset),
         wear=wear_summary(dataset),
+        unsolved_time=dataset.attrs.get("unsolved_time"),
+        unsolved_impulse_share=_unsolved(dataset, "impulse", float(impulse.sum())),
+        unsolved_wear_share=_unsolved(dataset, "wear", worn_volume(dataset)),
         **report,
     )
+
+
+def _unsolved(dataset: xr.Dataset, of_what: str, total: float) -> float:
+    """Return the share of a total that the unsolved steps have."""
+    return float(dataset.attrs.get(f"unsolved_{of_what}", 0.0)) / total if total else 0.0
 
 
 def energy_residual(dataset: xr.Dataset) -> float:

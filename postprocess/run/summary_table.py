@@ -1,7 +1,5 @@
 """Summary of a run as rows of text; hint about large displacements."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -60,7 +58,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             for body, peak in (summary.stress_max or {}).items()
         },
         **_contact(summary),
-        **_wear(summary.wear),
+        **_wear(summary),
         "deepest penetration": _text(summary.gap_violation_max, "m"),
         "energy residual": f"{summary.energy_residual:.3g}",
         "complementarity residual": f"{summary.complementarity_residual:.3g}",
@@ -126,16 +124,36 @@ def _force(summary: Summary) -> str:
     return (
         f"{_text(force['force'], 'N')} over {_text(force['averaged_over'], 's')}, blade"
         f" {force['blade']}{node} at {_text(force['time'], 's')}; impulse of all"
-        f" {_text(summary.contact_impulse, 'N s')}"
+        f" {_text(summary.contact_impulse, 'N s')}{_doubtful(summary.unsolved_impulse_share)}"
     )
 
 
-def _wear(wear: dict[str, Any]) -> dict[str, str]:
+def unsolved_share(summary: Summary) -> str:
+    """Return when steps were first not solved, their residual, and their shares of impulse and
+    wear; nothing if all were."""
+    if summary.unsolved_time is None:
+        return ""
+    worn = f" and {summary.unsolved_wear_share:.2g} of the wear" if summary.wear else ""
+    return (
+        f" (first at {_text(summary.unsolved_time, 's')}, residual"
+        f" {summary.complementarity_residual:.3g}; {summary.unsolved_impulse_share:.2g} of the"
+        f" impulse{worn})"
+    )
+
+
+def _doubtful(share: float) -> str:
+    """Return a mark for a number of which unsolved steps have a share."""
+    return f" (unsolved steps have {share:.2g} of it)" if share else ""
+
+
+def _wear(summary: Summary) -> dict[str, str]:
+    wear = summary.wear
     if not wear:
         return {}
     metal = wear["metal_time"]
     return {
-        "wear of the coating": f"{1e9 * wear['wear_volume']:.4g} mm³, strain at most"
+        "wear of the coating": f"{1e9 * wear['wear_volume']:.4g} mm³"
+        f"{_doubtful(summary.unsolved_wear_share)}, strain at most"
         f" {wear['wear_strain_max']:.3g}, mean {wear['wear_strain_mean']:.3g};"
         f" {lobes_text(wear)}",
         "energy dissipated in the coating": _text(wear["wear_dissipated"], "J"),

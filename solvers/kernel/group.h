@@ -145,6 +145,7 @@ static void contact_forces(const March *m, int64_t size)
     int coated = m->stage.node_coating != NULL, solved = 1;
     int turns = m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0;
     double *gap = s->gap.at;
+    double largest = 0.0, wrong = 0.0, slope; /* forces, and what unsolved ones lack */
     double change = 1.0, share = 1.0, worst = 0.0, scale = m->stage.numbers->gap_scale;
     Candidates nodes = {size, gap, s->held.at, s->multiplier.at, s->response.at};
     for (int64_t i = 0; i < size; i++)
@@ -158,8 +159,8 @@ static void contact_forces(const March *m, int64_t size)
         change = turns ? turn_directions(m, size, &share, round) : 0.0;
     }
     if (turns && (!solved || change > SAME_DIRECTION)) {
-        solved = sweep_nodes(m, size);
-        change = 0.0;
+        change = sweep_nodes(m, size);
+        solved = 1;
     }
     for (int64_t i = 0; i < size; i++) {
         double multiplier = coated ? -smaller(place[i], 0.0) : s->multiplier.at[i];
@@ -170,13 +171,19 @@ static void contact_forces(const March *m, int64_t size)
             worst = larger(worst, fabs(smaller(after, s->response.at[i * size + i] * multiplier)));
         else
             worst = larger(worst, -after);
+        largest = larger(largest, s->multiplier.at[i]);
+        if (!solved && after > 0.0)
+            wrong = larger(wrong, fabs(force_at(m, i, size, after, &slope) - s->multiplier.at[i]));
         s->closed.at[i] = after;
     }
     for (int64_t i = 0; i < size; i++)
         gap[i] = s->closed.at[i];
     double *residual = m->state->counts.at + RESIDUAL;
     *residual = larger(*residual, worst / scale);
-    m->state->counts.at[UNSOLVED] += !solved || change > SAME_DIRECTION;
+    if (solved && !(change > SAME_DIRECTION))
+        return;
+    m->state->counts.at[UNSOLVED] += 1.0;
+    *residual = larger(*residual, larger(solved ? change : 0.0, largest > 0.0 ? wrong / largest : 0.0));
 }
 
 #endif

@@ -24,8 +24,10 @@ enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, CLOSING, WORKS };
 /* Sums of the coating: work of its normal forces, removed volume, dissipated and stored energy. */
 enum { COATING_WORK, REMOVED, DISSIPATED, STORED, COATING_SUMS };
 /* Counts of a state: largest complementarity residual, steps with contact, steps with an unsolved
- * contact problem, contacts at the last step. */
-enum { RESIDUAL, CONTACT_STEPS, UNSOLVED, STEP_CONTACTS };
+ * contact problem, contacts at the last step; the first unsolved step, and the impulse [N s] and the
+ * worn volume [m3] of the unsolved steps. */
+enum { RESIDUAL, CONTACT_STEPS, UNSOLVED, STEP_CONTACTS, FIRST_UNSOLVED, UNSOLVED_IMPULSE,
+       UNSOLVED_WEAR, COUNTS };
 enum { LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE, LOAD_NUMBERS };
 
 typedef struct {
@@ -346,7 +348,7 @@ typedef struct {
     Vector held;     /* (tips) 1 for tips in contact at the last step, otherwise 0 */
     Matrix gaps;     /* (2, tips) gaps at the last two steps, row by parity of the step [m] */
     Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
-    Vector counts;   /* (4) RESIDUAL ... */
+    Vector counts;   /* (7) RESIDUAL ... */
     Matrix strain;   /* (tracks, rods_wide) plastic strain of each rod of the coating */
     Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
     Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
@@ -610,7 +612,7 @@ typedef struct {
     Matrix sums;         /* (4, tips) smallest gap, normal impulse, friction impulse and steps with
                           * contact since the last record */
     Vector work;         /* (6) works since the start: EXTERNAL ... [J] */
-    Vector counts;       /* (4) RESIDUAL ... */
+    Vector counts;       /* (7) RESIDUAL ... */
 } DenseState;
 
 typedef struct {

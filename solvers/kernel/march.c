@@ -279,6 +279,27 @@ static inline void account(March *m, int64_t step, int touching)
     }
 }
 
+/* Note an accepted step whose contact problem was not solved; `before` and `removed` are the number of
+ * such steps and the worn volume before it. */
+static void note_unsolved(March *m, int64_t step, double before, double removed)
+{
+    const State *state = m->state;
+    double *counts = state->counts.at, force = 0.0;
+    const Vector *pushes = &m->scratch->contact.multiplier;
+    if (counts[UNSOLVED] == before)
+        return;
+    if (before == 0.0)
+        counts[FIRST_UNSOLVED] = (double)(step + 1);
+    counts[UNSOLVED] = before + 1.0;
+    for (int64_t n = 0; m->stage.nodes && n < state->touched.size; n++)
+        force -= state->force.at[DIRECTIONS * n + RADIAL];
+    for (int64_t n = 0; !m->stage.nodes && n < pushes->size; n++)
+        force += pushes->at[n];
+    counts[UNSOLVED_IMPULSE] += m->stage.numbers->time_step * force;
+    if (state->coating.size > 0)
+        counts[UNSOLVED_WEAR] += state->coating.at[REMOVED] - removed;
+}
+
 /* Initialise the directions of sliding, and the waves at the springs of the previous step. */
 static void begin(const March *m, int64_t step)
 {
@@ -319,6 +340,8 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
                                    &m.rotation, (double)step * dt, scratch->amplitude.at);
         if (springs)
             turn_springs(springs, m.rotation.angle, m.x, m.y, &scratch->springs, step, energy);
+        double unsolved = state->counts.at[UNSOLVED];
+        double removed = state->coating.size > 0 ? state->coating.at[REMOVED] : 0.0;
         int within = solve_step(&m, step, &penetrating);
         if (within && (step + 1) % CHECK_EVERY == 0)
             within = keeps_limit(rotor, casing, numbers->displacement_limit, m.x.new,
@@ -338,6 +361,7 @@ int march(const Stage *stage, State *state, Records *records, Scratch *scratch, 
             break;
         }
         account(&m, step, penetrating > 0);
+        note_unsolved(&m, step, unsolved, removed);
         state->work.at[PARAMETRIC] += energy[1];
         turn_slots(&m.x);
         turn_slots(&m.y);

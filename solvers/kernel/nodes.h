@@ -27,7 +27,6 @@
 
 #include "group.h"
 
-#define LEAST_GAP 1e-12 /* share of the scale of gaps below which a gap is closed */
 
 /* Return the modal coordinates of a copy in an array of all modes of the rotor. */
 static inline int64_t first_mode(const March *m, int64_t copy)

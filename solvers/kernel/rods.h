@@ -14,6 +14,8 @@
 
 #include "coating.h"
 
+#define LEAST_GAP 1e-12 /* share of the scale of gaps below which a gap is closed */
+
 /* Return the first and the last rod under the footprint of a node; `turns` is its angle in
  * revolutions. */
 static void rods_under(const NodeCoating *c, int64_t node, double turns, int64_t range[2])
@@ -167,6 +169,8 @@ static void wear_rods(const March *m, const double *gap)
     for (int64_t n = 0; n < r->near.size; n++)
         if (m->scratch->nodes.listed.at[n] && r->near.at[n]) {
             push[n] = press_node(m, n, gap[n], &slope, state->coating.at);
+            if (gap[n] > LEAST_GAP * m->stage.numbers->gap_scale) /* not at the metal */
+                push[n] = -m->scratch->nodes.force.at[DIRECTIONS * n + RADIAL];
             state->coating_impulse.at[n] += push[n] * m->stage.numbers->time_step;
         }
 }

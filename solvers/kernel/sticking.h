@@ -145,15 +145,16 @@ static void solve_alone(Alone *a, double *angle)
     slide_alone(a, *angle, &along);
 }
 
-/* Compute the forces of a group with stick and slip from those of the last iteration. Returns whether
- * they have converged. */
-static int sweep_nodes(const March *m, int64_t size)
+/* Compute the forces of a group with stick and slip from those of the last iteration. Returns the
+ * change of the forces in the last sweep, divided by the largest force. */
+static double sweep_nodes(const March *m, int64_t size)
 {
     NodeScratch *s = &m->scratch->nodes;
     int64_t width = s->compliance.columns;
     double *place = m->scratch->pieces.place.at;
-    for (int sweep = 0; sweep < MOST_SWEEPS; sweep++) {
-        double change = 0.0, largest = 0.0;
+    double change = INFINITY, largest = 1.0;
+    for (int sweep = 0; sweep < MOST_SWEEPS && change > SAME_DIRECTION * largest; sweep++) {
+        change = largest = 0.0;
         for (int64_t i = 0; i < size; i++) {
             double *force = s->group_force.at + DIRECTIONS * i, *d = s->direction.at + 2 * i;
             double angle = atan2(d[1], d[0]), last[DIRECTIONS];
@@ -178,10 +179,8 @@ static int sweep_nodes(const March *m, int64_t size)
                 largest = larger(largest, fabs(force[k]));
             }
         }
-        if (!(change > SAME_DIRECTION * largest))
-            return 1;
     }
-    return 0;
+    return largest > 0.0 ? change / largest : 0.0;
 }
 
 #endif

@@ -187,6 +187,9 @@ class Statistics:
     complementarity_residual: float = 0.0
     """Largest residual of all steps (see `CentralDifference`)."""
     lcp_failures: int = 0  #: number of steps whose complementarity problem was not solved exactly
+    first_unsolved: int = 0  #: the first of these steps, if there are any
+    unsolved_impulse: float = 0.0  #: normal impulse of these steps [N s]
+    unsolved_wear: float = 0.0  #: worn volume of these steps [m3]
     fused_step: int = -1  #: step at which the support fused; -1 if it did not
 
 
@@ -206,6 +209,9 @@ class KernelState:
             contact_steps=int(counts[lib.CONTACT_STEPS]),
             complementarity_residual=float(counts[lib.RESIDUAL]),
             lcp_failures=int(counts[lib.UNSOLVED]),
+            first_unsolved=int(counts[lib.FIRST_UNSOLVED]),
+            unsolved_impulse=float(counts[lib.UNSOLVED_IMPULSE]),
+            unsolved_wear=float(counts[lib.UNSOLVED_WEAR]),
         )
 
 

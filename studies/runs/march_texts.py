@@ -61,12 +61,13 @@ def check_solved(prepared: Prepared, unsolved: int, steps: int) -> None:
         raise CaseError([case_fault(case, "march.unsolved_share", expected)])
 
 
-def unsolved_text(unsolved: int, steps: int) -> str:
-    """Return the number of unsolved steps, and what to check; nothing if all are solved."""
+def unsolved_text(unsolved: int, steps: int, about: str = "") -> str:
+    """Return the number of unsolved steps, what is known about them, and what to check; nothing if
+    all are solved."""
     if not unsolved:
         return ""
     return (
-        f"the contact problem of {unsolved} of {steps} steps was not solved: check for contact"
-        " nodes that are nearly at one place, use fewer of them, more modes or a shorter"
+        f"the contact problem of {unsolved} of {steps} steps was not solved{about}: check for"
+        " contact nodes that are nearly at one place, use fewer of them, more modes or a shorter"
         " march.time_step, and for a coating more hardening or a lower young_modulus"
     )

@@ -64,13 +64,14 @@ class Run:
         from rich.console import Group
         from rich.text import Text
 
-        from bladewhirl.postprocess.run.summary_table import summary_rows
+        from bladewhirl.postprocess.run.summary_table import summary_rows, unsolved_share
         from bladewhirl.studies.runs.columns import facts
         from bladewhirl.studies.runs.march_texts import unsolved_text
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
         texts = filter(None, [self.symmetry, f"{self.directory}: {names}"])
-        unsolved = unsolved_text(self.summary.unsolved_steps, self.summary.steps)
+        of = self.summary
+        unsolved = unsolved_text(of.unsolved_steps, of.steps, unsolved_share(of))
         first = [Text(unsolved[:1].upper() + unsolved[1:])] if unsolved else []
         return Group(*first, facts(summary_rows(self.summary)), *map(Text, texts))
 

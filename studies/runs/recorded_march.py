@@ -197,6 +197,12 @@ def _march_into(
         "wall_time": wall_time,
         "us_per_step": 1e6 * wall_time / max(record.steps, 1),
     }
+    if statistics is not None and unsolved:
+        report |= {
+            "unsolved_time": statistics.first_unsolved * timing.time_step,
+            "unsolved_impulse": statistics.unsolved_impulse,
+            "unsolved_wear": statistics.unsolved_wear,
+        }
     if statistics is not None and statistics.fused_step >= 0:
         report["fuse_time"] = statistics.fused_step * timing.time_step
     record.finish(reason, message, report)

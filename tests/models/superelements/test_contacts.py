@@ -123,7 +123,8 @@ def test_a_file_with_nodes_on_both_faces_is_marched_with_one_of_each(tmp_path: P
 def test_unsolved_steps_are_an_error_or_the_first_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, unsolved: int, share: float
 ) -> None:
-    statistics = property(lambda state: Statistics(steps=state.step, lcp_failures=unsolved))
+    found = {"lcp_failures": unsolved, "first_unsolved": 7, "unsolved_impulse": 1e-3}
+    statistics = property(lambda state: Statistics(steps=state.step, **found))
     monkeypatch.setattr(KernelState, "statistics", statistics)
     given = case(tmp_path / "part.npz", sector(), 1e-3, unsolved_share=share, duration=2e-3)
     text = f"contact problem of {unsolved} of 1000 steps was not solved: check for contact nodes"
@@ -140,7 +141,11 @@ def test_unsolved_steps_are_an_error_or_the_first_line(
         assert {path.name for path in tmp_path.iterdir()} == {"part.npz", "run"}
         return
     run = bw.run(given, tmp_path / "run", frames=0)
-    assert repr(run).startswith(f"The {text}")
+    first = " ".join(repr(run).split())
+    assert first.startswith(f"The {text.split(':')[0]} (first at 14 µs, residual 0; ")
+    assert "of the impulse): check for contact nodes" in first
+    assert run.summary.unsolved_impulse_share > 0.0
+    assert "(unsolved steps have" in first
 
 
 def test_contact_nodes_at_one_place_are_kept_once_on_each_blade() -> None:
