@@ -144,8 +144,6 @@ def test_unsolved_steps_are_an_error_or_the_first_line(
     first = " ".join(repr(run).split())
     assert first.startswith(f"The {text.split(':')[0]} (first at 14 µs, residual 0; ")
     assert "of the impulse): check for contact nodes" in first
-    assert run.summary.unsolved_impulse_share > 0.0
-    assert "(unsolved steps have" in first
 
 
 def test_contact_nodes_at_one_place_are_kept_once_on_each_blade() -> None:

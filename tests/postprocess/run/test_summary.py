@@ -25,7 +25,11 @@ from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise
-from bladewhirl.postprocess.run.summary_table import displacement_hints, summary_rows
+from bladewhirl.postprocess.run.summary_table import (
+    displacement_hints,
+    summary_rows,
+    unsolved_share,
+)
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.studies.runs.columns import facts
 
@@ -461,6 +465,16 @@ class TestWriting:
         assert "yield" not in str(summary_rows(summarise(result, REPORT)))
         weak = summary_rows(summarise(result.assign_attrs(yield_strength=1e3), REPORT))
         assert weak["stress of casing, largest"].endswith("beyond the yield strength, 1 kPa")
+
+    def test_numbers_of_unsolved_steps_are_marked(self, result: xr.Dataset) -> None:
+        assert "unsolved" not in str(summary_rows(summarise(result, REPORT)))
+        total = float(result["contact_impulse"].sum())
+        doubtful = result.assign_attrs(unsolved_time=0.125, unsolved_impulse=0.25 * total)
+        summary = summarise(doubtful, REPORT)
+        assert summary.unsolved_impulse_share == pytest.approx(0.25)
+        rows = summary_rows(summary)
+        assert rows["contact force, largest"].endswith("(unsolved steps have 0.25 of it)")
+        assert "first at 125 ms" in unsolved_share(summary)
 
     def test_the_page_of_the_summary_has_every_key_and_every_row(self, result: xr.Dataset) -> None:
         page = (ROOT / "docs" / "reference" / "summary.md").read_text(encoding="utf-8")
