@@ -141,9 +141,12 @@ def plot_amplification(data: xr.Dataset) -> Figure:
     axes = figure.subplots()
     colours = [COLOURS["total"], COLOURS["k = 1"], *OTHER_COLOURS]
     for order, colour in zip(data["order"].values.tolist(), cycle(colours)):
-        values = np.sort(data["amplification"].sel(order=order).values)
+        one = data.sel(order=order)
+        values = np.sort(one["amplification"].values)
+        at = 60.0 * float(data.attrs["reference_frequency_hz"]) * float(one["tuned_speed"])
+        label = f"engine order {order}, tuned peak at {at:.0f} rpm"
         share = 1.0 - np.arange(len(values)) / len(values)
-        axes.step(values, share, where="pre", color=colour, label=f"engine order {order}")
+        axes.step(values, share, where="pre", color=colour, label=label)
     bound = float(data.attrs["whitehead_bound"])
     axes.axvline(bound, color=COLOURS["rest"], linestyle="--", label=f"Whitehead, {bound:.3g}")
     axes.set(

@@ -54,6 +54,7 @@ REFINEMENTS, FINER = 6, 3.0
 ROWS = (
     Column("order", "engine order", "d"),
     Column("tuned", "tuned amplitude [mm]", ".4g", 1e3),
+    Column("tuned_rpm", "at [rpm]", ".1f"),
     Column("median", "50 %", ".3f"),
     Column("median_band", "band", ".3f"),
     Column("p95", "95 %", ".3f"),
@@ -61,6 +62,7 @@ ROWS = (
     Column("p99", "99 %", ".3f"),
     Column("p99_band", "band", ".3f"),
     Column("largest", "largest", ".3f"),
+    Column("largest_rpm", "at [rpm]", ".1f"),
     Column("whitehead", "Whitehead", ".3f"),
 )
 """Columns of the amplification of each engine order."""
@@ -93,7 +95,8 @@ def amplification(
 
     Raises:
         CaseError: the case cannot be built.
-        UserError: the case has no spread of the stiffness or no engine order.
+        UserError: the case has no spread of the stiffness or no engine order, or a largest
+            amplitude is at the end of the speeds, where it is no peak.
     """
     if draws < 1:
         raise UserError(f"response: draws {draws}: expected at least 1")
@@ -105,6 +108,8 @@ def amplification(
         raise UserError("response: draws: expected engine orders of 1 or more; order 0 is static")
     equal = response(stage, speeds=speeds)
     rows = [peaks[0] for peaks in peak_rows(equal).values()]
+    for row in rows:
+        _check_inside(row)
     found = []
     for number, row in enumerate(rows):
         tuned = stage.tuned_rotor(loads, row["speed"] * reference)
@@ -117,6 +122,7 @@ def amplification(
     amplitude, blade, omega = (
         np.array(values).reshape(len(rows), draws) for values in zip(*found, strict=True)
     )
+    _check_all_inside(rows, omega, equal["speed"].values * reference)
     tuned_amplitude = np.array([row["amplitude"] for row in rows])
     both, blades = ("order", "draw"), factors.shape[1]
     return xr.Dataset(
@@ -133,10 +139,36 @@ def amplification(
         attrs={
             "title": "amplification by mistuning",
             "case": stage.case.title,
+            "reference_frequency_hz": reference / (2.0 * np.pi),
             "whitehead_bound": 0.5 * (1.0 + np.sqrt(blades)),
             "stiffness_spread": given.case.bladed_disk.mistuning.stiffness_spread,
         },
     )
+
+
+def _check_inside(row: dict[str, Any]) -> None:
+    """Raise an error if the largest tuned amplitude is at the end of the speeds."""
+    if not row["place"].startswith("end"):
+        return
+    beyond = row.get("resonance_rpm")
+    where = "a resonance" if beyond is None else f"its resonance at {beyond:.0f} rpm"
+    raise UserError(
+        f"response: draws: expected speeds about {where}: the largest amplitude of engine order"
+        f" {row['order']} without mistuning is at the end of the speeds, {row['rpm']:.0f} rpm, and"
+        " no peak"
+    )
+
+
+def _check_all_inside(rows: list[dict[str, Any]], omega: FloatArray, speeds: FloatArray) -> None:
+    """Raise an error if largest amplitudes of patterns are at an end of the speeds."""
+    for row, found in zip(rows, omega, strict=True):
+        for end in speeds[[0, -1]]:
+            if count := int((np.abs(found - end) <= 1e-12 * abs(end)).sum()):
+                raise UserError(
+                    f"response: draws: expected speeds beyond {end * 30.0 / np.pi:.0f} rpm, where"
+                    f" {count} of {len(found)} patterns have their largest amplitude of engine"
+                    f" order {row['order']}, which is no peak"
+                )
 
 
 class _Patterns:
@@ -268,12 +300,14 @@ def amplification_rows(data: xr.Dataset) -> list[dict[str, Any]]:
     the percentile of all patterns with a probability of `CONFIDENCE`."""
     rows = []
     for order in data["order"].values.tolist():
-        one = data.sel(order=order)
+        one, rpm = data.sel(order=order), 60.0 * float(data.attrs["reference_frequency_hz"])
         values = np.sort(one["amplification"].values)
         row = {
             "order": order,
             "tuned": float(one["tuned_amplitude"]),
+            "tuned_rpm": rpm * float(one["tuned_speed"]),
             "largest": float(values[-1]),
+            "largest_rpm": rpm * float(one["speed"].values[one["amplification"].values.argmax()]),
             "whitehead": data.attrs["whitehead_bound"],
             "draws": len(values),
         }

@@ -22,7 +22,7 @@ from bladewhirl.postprocess.modal.response import (
     largest_in_period,
     plot_response,
 )
-from bladewhirl.studies.modal.response_peaks import peak_speeds
+from bladewhirl.studies.modal.response_peaks import peak_speeds, resonance_beyond
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
 
@@ -40,6 +40,7 @@ PEAKS = (
     Column("blade", "blade", "d"),
     Column("amplitude", "amplitude of the tip [mm]", ".4g", 1e3),
     Column("nodal_diameter", "nodal diameter", "d"),
+    Column("place", "is"),
 )
 """Columns of the peaks of each engine order."""
 
@@ -73,7 +74,9 @@ def response(
         the static displacement by the modes that are left out. With several engine orders, `order`
         is the first dimension. `speed` is in multiples of the reference frequency, with the
         coordinate `rpm`. Over (peak, blade): complex `peak_tip_tangential` and `peak_tip_radial`
-        [m], with the coordinates peak_order, peak_speed and peak_rpm.
+        [m], with the coordinates peak_order, peak_speed and peak_rpm. Over order:
+        `resonance_beyond` [rpm], the next resonance if the largest amplitude at the speeds is at
+        the first or the last of them, otherwise NaN.
 
     Raises:
         CaseError: the case cannot be built at one of the speeds.
@@ -102,11 +105,26 @@ def response(
         (disk,) = stage.forced(loads, [omega])
         return disk.motion(order, omega)
 
+    def resonances(order: int, omega: float) -> Resonances:
+        (disk,) = stage.forced(loads, [omega])
+        return disk.resonances(order, omega)
+
+    def beyond(order: int, heights: Sequence[float]) -> float:
+        """Return the speed of the resonance beyond the end with the largest of some amplitudes."""
+        last, most = len(heights) - 1, int(np.argmax(heights))
+        if not order or not last or most not in (0, last):
+            return float("nan")
+        outward = float(np.sign(omegas[most] - omegas[last - most]))
+        return resonance_beyond(lambda w: resonances(order, w), order, omegas[most], outward)
+
     peaks = [
         (order, omega, motion(order, omega))
         for order in orders
         if order and all(later > before for before, later in pairwise(omegas))
         for omega in peak_speeds(lambda w, r=order: _height(motion(r, w)), omegas, near[order])  # type: ignore[misc]
+    ]
+    further = [
+        beyond(order, [_height(row[n]) for row in answers]) for n, order in enumerate(orders)
     ]
     rpm = np.array(multiples) * reference * 30.0 / np.pi
     variables = {
@@ -130,7 +148,16 @@ def response(
     }
     at = np.array([omega for _, omega, _ in peaks])
     data = xr.Dataset(
-        variables | at_peaks,
+        variables
+        | at_peaks
+        | {
+            "resonance_beyond": quantity(
+                "order",
+                np.array(further) * 30.0 / np.pi,
+                "rpm",
+                "speed of the resonance beyond the end with the largest amplitude",
+            )
+        },
         coords={
             "order": ("order", orders),
             "speed": quantity("speed", np.array(multiples), "1", "normalised speed"),
@@ -173,14 +200,22 @@ def largest(data: xr.Dataset) -> list[dict[str, Any]]:
 
 def peak_rows(data: xr.Dataset) -> dict[int, list[dict[str, Any]]]:
     """Return rows of the peaks of each engine order, see `PEAKS`, the largest first; and of the
-    largest amplitude at the given speeds, if it is larger than that of all peaks."""
+    largest amplitude at the given speeds, if it is larger than that of all peaks. `place` is
+    "peak", "given speed" or "end of the range", with `resonance_rpm` if a resonance is beyond."""
     every = data if "order" in data.dims else data.expand_dims("order")
     found = {}
     for order in every["order"].values.tolist():
         grid = every.sel(order=order)
         peaks = at_peaks(data, order)
-        rows = [row for n in range(peaks.sizes["speed"]) for row in [_row(peaks, order, n)]]
-        row = _row(grid, order, int(amplitude(grid).max("blade").values.argmax()))
+        rows = [_row(peaks, order, n) | {"place": "peak"} for n in range(peaks.sizes["speed"])]
+        most, last = int(amplitude(grid).max("blade").values.argmax()), grid.sizes["speed"] - 1
+        row = _row(grid, order, most) | {"place": "given speed"}
+        if last and most in (0, last):
+            row["place"] = "end of the range"
+            beyond = float(grid["resonance_beyond"])
+            if np.isfinite(beyond):
+                row |= {"resonance_rpm": beyond}
+                row["place"] += f", resonance at {beyond:.0f} rpm"
         if row["amplitude"] > max((each["amplitude"] for each in rows), default=0.0):
             rows.append(row)
         found[order] = sorted(rows, key=lambda each: -each["amplitude"])

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.forced import Resonances
 
 FOUND = 12  #: largest number of resonances of an engine order that are refined
@@ -20,6 +21,9 @@ WEAK = 0.05
 ACCURACY = 1e-3
 """Accuracy of the speed of a peak, as a fraction of the half-power width; the square of it is the
 error of the amplitude."""
+
+CORRECTIONS = 6
+"""Corrections of the speed of a resonance by the stiffness at this speed."""
 
 STEPS = 60  #: largest number of steps towards a peak
 
@@ -49,6 +53,37 @@ def peak_speeds(
         if not found or peak - found[-1] > 1e-9 * peak:
             found.append(peak)
     return found
+
+
+def resonance_beyond(
+    resonances: Callable[[float], Resonances], order: int, end: float, outward: float
+) -> float:
+    """Return the speed of the nearest strong resonance beyond an end of a range [rad/s]; NaN
+    without one.
+
+    Args:
+        resonances: function that returns the resonances near a speed.
+        order: engine order.
+        end: the end [rad/s].
+        outward: 1 for resonances at higher speeds, -1 for those at lower ones.
+    """
+    near, square = resonances(end), end**2
+    met = square + near.value / float(order) ** 2  # if the stiffness did not depend on the speed
+    reached = near.drive / np.maximum(near.loss, np.finfo(float).tiny)
+    strong = (outward * (met - square) > 0.0) & (met > 0.0)
+    strong &= reached > WEAK * reached.max(initial=0.0)
+    if not strong.any():
+        return float("nan")
+    place = np.unravel_index(np.where(strong, np.abs(met - square), np.inf).argmin(), met.shape)
+    square = float(met[place])
+    for _ in range(CORRECTIONS):
+        try:
+            square += float(resonances(float(np.sqrt(square))).value[place]) / float(order) ** 2
+        except CaseError:  # the stage does not exist at this speed
+            return float("nan")
+        if not square > 0.0:
+            return float("nan")
+    return float(np.sqrt(square))
 
 
 def _crossings(

@@ -123,7 +123,7 @@ def test_a_file_with_nodes_on_both_faces_is_marched_with_one_of_each(tmp_path: P
 def test_unsolved_steps_are_an_error_or_the_first_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, unsolved: int, share: float
 ) -> None:
-    found = {"lcp_failures": unsolved, "first_unsolved": 7, "unsolved_impulse": 1e-3}
+    found: Any = {"lcp_failures": unsolved, "first_unsolved": 7, "unsolved_impulse": 1e-3}
     statistics = property(lambda state: Statistics(steps=state.step, **found))
     monkeypatch.setattr(KernelState, "statistics", statistics)
     given = case(tmp_path / "part.npz", sector(), 1e-3, unsolved_share=share, duration=2e-3)

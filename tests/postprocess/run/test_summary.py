@@ -474,7 +474,7 @@ class TestWriting:
         assert summary.unsolved_impulse_share == pytest.approx(0.25)
         rows = summary_rows(summary)
         assert rows["contact force, largest"].endswith("(unsolved steps have 0.25 of it)")
-        assert "first at 125 ms" in unsolved_share(summary)
+        assert "first at 0.125 s" in unsolved_share(summary)
 
     def test_the_page_of_the_summary_has_every_key_and_every_row(self, result: xr.Dataset) -> None:
         page = (ROOT / "docs" / "reference" / "summary.md").read_text(encoding="utf-8")

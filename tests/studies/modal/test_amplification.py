@@ -160,6 +160,23 @@ def test_the_command_prints_percentiles(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "amplification.png").exists()
 
 
+def test_an_amplitude_at_the_end_of_the_speeds_is_no_peak() -> None:
+    """The error names the resonance; the table and the document of a response do too."""
+    tuned = beams("sector", excitation=LOAD)
+    (row,) = largest(bw.response(tuned, speeds=np.linspace(0.4, 0.7, 31).tolist()))
+    assert row["place"] == "peak"
+    case = bw.with_values(tuned, spread())
+    for speeds in (np.linspace(0.3, 0.42, 13), np.linspace(0.62, 0.8, 13)):
+        (end,) = largest(bw.response(tuned, speeds=speeds.tolist()))
+        assert end["place"].startswith("end of the range, resonance at")
+        assert end["resonance_rpm"] == pytest.approx(row["rpm"], rel=2e-3)
+        with pytest.raises(UserError, match=rf"its resonance at {end['resonance_rpm']:.0f} rpm"):
+            bw.amplification(case, draws=2, speeds=speeds.tolist())
+    at = row["speed"] + np.array([-1e-3, -5e-4, 0.0, 5e-4])
+    with pytest.raises(UserError, match=r"speeds beyond .* \d+ of 20 patterns"):
+        bw.amplification(case, draws=20, speeds=at.tolist())
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -205,8 +205,7 @@ def test_a_wheel_is_marched_with_its_stiffness_at_speed(tmp_path: Path) -> None:
         bw.build_stage(beams()).rotor.frequency[0], rel=1e-3
     )
     too_fast = bw.with_values(wheel.case, {"march.speed": 3.0})
-    with pytest.raises(bw.CaseError, match="below the lowest critical speed"):
-        superelement_stage(too_fast)
+    assert superelement_stage(too_fast).reduced.squares[0] < 0.0  # above the first critical speed
 
 
 @pytest.mark.slow
