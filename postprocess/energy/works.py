@@ -164,13 +164,16 @@ def _closure_work(dataset: xr.Dataset) -> Array:
 
 
 def late_drive_power(dataset: xr.Dataset) -> float:
-    """Return the mean power of the drive over the last third of the time [W]; nan for a single
-    record."""
+    """Return the mean power of the drive over the whole revolutions in the last third of the time
+    [W], or over this third if it has none or the speed varies; nan for a single record."""
     work, time = drive_work(dataset), dataset["time"].values
-    first = len(time) - late_part(dataset).sizes["time"]
-    if time[-1] <= time[first]:
+    begin = float(time[-late_part(dataset).sizes["time"]])
+    if time[-1] <= begin:
         return float("nan")
-    return float((work[-1] - work[first]) / (time[-1] - time[first]))
+    speed = abs(float(dataset.attrs["speed"])) if "rotation_speed" not in dataset else 0.0
+    if (whole := int(speed * (time[-1] - begin) / (2.0 * np.pi) + 1e-9)) > 0:
+        begin = float(time[-1]) - 2.0 * np.pi * whole / speed
+    return float((work[-1] - np.interp(begin, time, work)) / (time[-1] - begin))
 
 
 def leading_source(dataset: xr.Dataset) -> str:
