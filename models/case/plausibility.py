@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import Imbalance
+from bladewhirl.models.case.excitation import Harmonic, Imbalance
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.plausible import MATERIAL, fault_of
 
@@ -18,6 +18,8 @@ MOST_UNBALANCE = 1e3  #: largest plausible unbalance [kg m]
 
 IN_TIP_RADII = {"width": 1.0, "thickness": 1.0, "length": 100.0}
 """Largest plausible dimensions of a beam, divided by the tip radius."""
+
+FEWEST_STEPS = 10  #: plausible smallest number of time steps in a period of a force
 
 SAME_SPEED = 1e-3
 """Largest difference between the speed of a stiffness and that of the case, divided by the latter,
@@ -104,6 +106,19 @@ def case_hints(case: Case) -> tuple[str, ...]:
                 f"{key}.ramp = {load.ramp!r} s exceeds march.duration = {duration!r} s: the load"
                 " does not reach its full size"
             )
+        if isinstance(load, Harmonic) and not case.march.steps_per_revolution:
+            steps = 1.0 / (load.frequency * case.march.time_step)
+            if steps < FEWEST_STEPS:
+                hints.append(
+                    f"{key}.frequency = {load.frequency!r} Hz: a period has {steps:.2g} time steps"
+                    f" of {case.march.time_step!r} s, which do not describe the force"
+                )
+    run_up = case.march.run_up
+    if run_up is not None and 0.0 < duration <= run_up.start:
+        hints.append(
+            f"march.run_up.start = {run_up.start!r} s: the change of the speed begins after the end"
+            f" of the march, march.duration = {duration!r} s"
+        )
     return (*hints, *stiffness_hints(case))
 
 

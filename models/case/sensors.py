@@ -68,7 +68,8 @@ def _direction(value: Any) -> tuple[float, ...]:
         raise fields.expectation("three numbers [x, y, z]")
     if not 0.0 < math.hypot(*value) < math.inf:
         raise fields.expectation("three numbers [x, y, z] that are not all zero")
-    return tuple(map(float, value))
+    largest = max(map(abs, value))  # squares of tiny numbers would vanish
+    return tuple(float(x) if 1e-100 < largest < 1e100 else float(x / largest) for x in value)
 
 
 def _noise(value: Any, info: ValidationInfo) -> float:

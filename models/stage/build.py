@@ -60,8 +60,14 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
             foreshortening=foreshortening(stage),
             law=case.contact.law,
         )
-        changed = with_blade_loss(stage, problem, with_speed_change(stage, problem))
-        return with_fused_support(stage, changed)
+        turning = with_speed_change(stage, problem)
+        if turning.drive is not None and (gap := turning.initial_gap()).min() < 0.0:
+            expected = (
+                "all tips inside the wall at t = 0: with march.drive the imbalance acts from the"
+                f" start on; tip {int(gap.argmin())} would be {-gap.min():.4g} m beyond the wall"
+            )
+            raise CaseError([case_fault(case, "casing.clearance", expected)])
+        return with_fused_support(stage, with_blade_loss(stage, problem, turning))
 
 
 def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:

@@ -6,10 +6,12 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import W
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
+from bladewhirl.models.stage.speed_change import turning_inertia
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.superelements.reduction import rigid_limit
@@ -28,9 +30,13 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
         *case_hints(stage.case),
         *_too_soft(stage),
         *_fed_whirl(stage),
+        *(_stiff_loss(stage.case, turning_inertia(stage)) if stage.case.march.drive else ()),
         *_free_ends(stage.disk.model),
     )
 
+
+STIFF_LOSS = 0.05
+"""Largest change of the speed by losses in a time step, as a fraction of the speed."""
 
 COALESCED = 1e-6
 """A growth rate up to this fraction of the speed of rotation counts as a rounding error."""
@@ -42,6 +48,18 @@ def _too_soft(stage: Stage) -> Iterator[str]:
         yield (
             f"the reference frequency, the unit of speeds, is {hertz:.3g} Hz: check that"
             " dimensions, material and springs are in SI units or are text with a unit"
+        )
+
+
+def _stiff_loss(case: Case, inertia: float) -> Iterator[str]:
+    """Yield a warning if losses change the speed much within a time step; `inertia` is that of all
+    that turns [kg m2]."""
+    drive = case.march.drive
+    if drive is not None and drive.loss * case.march.time_step > STIFF_LOSS * inertia:
+        yield (
+            f"march.drive.loss = {drive.loss!r} N m s: the losses slow the rotor down within"
+            f" {inertia / drive.loss:.2g} s, which march.time_step = {case.march.time_step!r} s"
+            " does not resolve"
         )
 
 
@@ -113,6 +131,8 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
             " with damping.ratio = 0 only the matrix damps"
         )
     yield from _lossy_ring(stage)
+    if stage.case.march.drive is not None:
+        yield from _stiff_loss(stage.case, stage.case.march.drive.inertia)
     limits = locking_friction(stage)
     if not limits:
         return
