@@ -14,6 +14,7 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import (
     INTERRUPTED,
     emit,
+    hints_at_once,
     interruptible,
     progress_bar,
     reduction_bar,
@@ -105,6 +106,7 @@ def run(
         options.case_of(source, overrides) as read,
         progress_bar("preparing") as update,
         reduction_bar(),
+        hints_at_once() as shown,
         interruptible(f"bladewhirl run --resume {folder} continues", folder / RESULT_NAME),
     ):
         turn = read.march.steps_per_revolution
@@ -140,7 +142,8 @@ def run(
         Console().print(finished)
     stopped = finished.end_reason == "interrupted"
     remedy = f"bladewhirl run --resume {finished.directory} finishes the run" if stopped else ""
-    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints), remedy):
+    hints = (f"Hint: {hint}." for hint in finished.hints if hint not in shown)
+    for line in (finished.end_message, *hints, remedy):
         if line:
             typer.echo(line, err=True)
     if stopped:

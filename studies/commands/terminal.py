@@ -9,6 +9,7 @@ import errno
 import io
 import os
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from datetime import timedelta
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 import typer
 from typer.core import TyperGroup
 
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import Hint, UserError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -143,6 +144,26 @@ def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
                 typer.echo(f"{done} of {total} {lines}{failures}{remaining}", err=True)
 
         yield update
+
+
+@contextmanager
+def hints_at_once() -> Iterator[set[str]]:
+    """Print hints about a case as soon as they are known; yields those that were printed."""
+    shown = set[str]()
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(message: Any, category: type[Warning], *place: Any) -> None:
+            if not issubclass(category, Hint):
+                usual(message, category, *place)
+            elif (text := str(message)) not in shown:
+                shown.add(text)
+                typer.echo(f"Hint: {text}.", err=True)
+
+        warnings.simplefilter("always", Hint)
+        printed: Any = show  # without the type of the last arguments
+        warnings.showwarning = printed
+        yield shown
 
 
 class UserErrorGroup(TyperGroup):

@@ -274,3 +274,23 @@ def test_a_path_is_read_and_implausible_values_are_warned_of(path: Path) -> None
     with pytest.warns(Hint, match=r"contact.friction = 30.0: expected at most 2 for dry metals"):
         done = bw.run(path, path.parent / "run", frames=0)
     assert done.summary.steps > 0
+
+
+def test_hints_are_printed_before_the_march_and_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "case.toml").write_text(
+        "[bladed_disk]\nblades = 5\nelements_per_blade = 2\n[casing]\nsupport = 8e6\n"
+        '[contact]\nfriction = 3.0\n[march]\nduration = "2 ms"\n'
+    )
+    words = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "out"), "--frames", "0"]
+
+    def stop(*given: object) -> None:
+        raise UserError("stopped before the march")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("bladewhirl.studies.runs.run._march_and_sum_up", stop)
+        early = CliRunner().invoke(app, words).stderr
+    assert early.index("contact.friction = 3.0") < early.index("stopped before the march")
+    again = CliRunner().invoke(app, [*words, "--overwrite"]).stderr
+    assert again.count("contact.friction = 3.0") == 1
