@@ -75,3 +75,22 @@ def test_the_number_of_rods_is_the_same_for_each_blade(parts: Path, copies: int)
     coating = superelement_stage(bw.case_from(case(parts, copies=copies))).coating
     assert coating is not None
     assert coating.strain.shape[1] % copies == 0
+
+
+def test_a_stiff_coating_is_solved_and_acts_as_a_rigid_wall(parts: Path) -> None:
+    """Rods that do not yield, from soft to almost rigid."""
+    impulses = []
+    for modulus in (1e9, 1e11, 1e12, 1e13, None):
+        given = case(parts)
+        given["march"] |= {"duration": 4e-3, "unsolved_share": 0.0}
+        given["casing"]["closure"] = {"amount": 1e-4, "time_constant": 5e-3}
+        given["casing"].pop("coating")
+        if modulus is not None:
+            rods = {"young_modulus": modulus, "yield_stress": 1e15, "footprint": 1e-3}
+            given["casing"]["coating"] = {"thickness": 2e-3, "elements": 10000} | rods
+        impulses.append(float(marched(given)["contact_impulse"].sum()))
+    *soft, rigid = impulses
+    errors = [abs(each / rigid - 1.0) for each in soft]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[0] > 0.1
+    assert errors[-1] < 0.01
