@@ -180,6 +180,11 @@ def result_fault(dataset: xr.Dataset) -> str:
             f"a result of format {schema.RESULT_FORMAT} or older, found format {made_by}; a newer"
             " bladewhirl reads it"
         )
+    if "steady_stress_rest" in dataset:  # of motions without the load by the fourth power
+        return (
+            "a result of format 15 or newer of 3D blades whose speed varies, found format"
+            f" {made_by}; run the case again"
+        )
     if made_by < 10 and "modal_displacement" in dataset:
         return (
             "a result of a superelement of format 10 or newer, found format"

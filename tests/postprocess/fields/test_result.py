@@ -137,6 +137,13 @@ class TestCoordinates:
             assert actual["rotor_width_change"].attrs["units"] == "m"
 
 
+def test_results_that_lack_a_load_are_refused(run: Path) -> None:
+    old = synthetic_result(records=3).assign(steady_stress_rest=("time", np.zeros(3)))
+    old.assign_attrs(format=14).to_netcdf(run / "result.nc", engine="h5netcdf")
+    with pytest.raises(ResultError, match=r"format 15 or newer of 3D blades .* found format 14"):
+        open_result(run)
+
+
 def test_results_of_superelements_before_format_10_are_refused(run: Path) -> None:
     old = synthetic_result(records=3).rename_vars(rotor_displacement="modal_displacement")
     old.assign_attrs(format=9).to_netcdf(run / "result.nc", engine="h5netcdf")
