@@ -47,6 +47,14 @@ def crossings(waves: Waves, line: FloatArray, speeds: FloatArray) -> FloatArray:
     return np.repeat(speeds[1:], np.abs(np.diff(above, axis=0)).sum(axis=1))
 
 
+def test_the_fourth_power_of_the_speed_stiffens_a_wave() -> None:
+    one = np.ones((1, 1), dtype=np.complex128)
+    parts = {"mass": one, "stiffness": 4e4 * one, "coriolis": 0.0 * one, "softening": 0.5 * one}
+    wave = Waves(nodal_diameter=0, springs=0.0 * one, softening4=1e-5 * one, **parts)
+    exact = np.sqrt(4e4 + 0.5 * 200.0**2 + 1e-5 * 200.0**4)
+    assert wave.frequencies(200.0).real == pytest.approx([exact, -exact])
+
+
 @pytest.mark.parametrize("order", [0, 1, 3])
 def test_at_a_synchronous_speed_a_wave_has_that_multiple_of_it(waves: Waves, order: int) -> None:
     speeds, _ = waves.synchronous(order)

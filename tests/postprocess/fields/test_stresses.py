@@ -18,6 +18,12 @@ def result() -> xr.Dataset:
     blades = made.rotor_part.values == "blades"
     made["rotor_young_modulus"] = "rotor_line", np.where(blades, 1.1e11, 2.1e11)
     made["casing_young_modulus"] = "casing_node", np.linspace(0.7e11, 2.1e11, 40)
+    # Axial strain of either sign, so that the two surfaces differ.
+    moved = made["rotor_displacement"].values
+    scale = np.abs(moved).max()
+    shaken = np.random.default_rng(5).standard_normal(moved.shape)
+    shaken *= np.linspace(0.0, 1.0, 60)[:, None]
+    made["rotor_displacement"] = ("time", "rotor_mode"), moved + 0.02 * scale * shaken
     return made
 
 
@@ -59,6 +65,9 @@ def test_peaks_are_the_extremes_of_all_times(result: xr.Dataset) -> None:
     np.testing.assert_allclose(np.abs(actual.peak_stress), size.max("time"))
     at = actual.time.values[size.argmax("time").values]
     np.testing.assert_array_equal(actual.peak_time, at)
+    high, low = actual.largest_stress.max("time"), actual.smallest_stress.min("time")
+    np.testing.assert_allclose(actual.peak_stress, np.where(high >= -low, high, low), atol=1e-3)
+    assert {*np.sign(actual.peak_stress.values)} == {-1.0, 1.0}
     # The blades bend most at their roots (w'' of the mode falls linearly to the tip).
     np.testing.assert_allclose(actual.peak_radius[:22], synthetic.DISK_RADIUS)
 

@@ -67,6 +67,7 @@ class TestSpectrogram:
         expected = -400 + 60 * spectrogram.time.values
         np.testing.assert_allclose(ridge, expected, atol=0.5 * spectrogram.attrs["resolution"])
         assert len(ridge) > 100
+        assert spectrogram.attrs["resolution"] == pytest.approx(2 * np.pi / 0.5, rel=5e-3)
         np.testing.assert_allclose(spectrogram.amplitude.max("frequency"), RADIUS, rtol=0.1)
 
 

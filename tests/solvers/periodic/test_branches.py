@@ -13,7 +13,7 @@ from bladewhirl.solvers.periodic import bifurcation
 from bladewhirl.solvers.periodic.blade import Blade, Grid, alike, between, comparable
 from bladewhirl.solvers.periodic.contact import Motion, active
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
-from bladewhirl.solvers.periodic.stability import monodromy
+from bladewhirl.solvers.periodic.stability import Monodromy, monodromy
 from bladewhirl.studies.verification.periodic import oscillator
 
 DRAG, FORCE, STOP = 0.06, 0.1, 1.0
@@ -106,6 +106,11 @@ def test_multipliers_without_contact_are_those_of_the_modes() -> None:
     motion = Motion.free(grid(1.3, 64))
     decay = np.exp(-0.5 * DRAG * motion.grid.blade.period)
     assert np.abs(monodromy(motion).multipliers) == pytest.approx(decay, rel=1e-9)
+
+
+@pytest.mark.parametrize(("largest", "stable"), [(0.99, True), (1.01, False), (-1.1, False)])
+def test_deviations_decay_if_all_multipliers_are_below_one(largest: float, stable: bool) -> None:
+    assert Monodromy(np.diag([0.5, largest]), 1).stable == stable
 
 
 def test_corners_are_passed_with_the_active_set_that_follows() -> None:

@@ -46,6 +46,15 @@ def case(
     )
 
 
+def test_rpm_are_turns_in_a_minute() -> None:
+    """The reference frequency in turns per second, times sixty."""
+    data = bw.response(case(), speeds=[0.25, 0.5])
+    turns = 60.0 * data.attrs["reference_frequency_hz"]
+    assert data["rpm"].values == pytest.approx([0.25 * turns, 0.5 * turns])
+    at = bw.response(case(), speeds=["1234 rpm"])
+    assert float(at["rpm"][0]) == pytest.approx(1234.0)
+
+
 def test_the_response_is_that_of_the_full_model() -> None:
     """With all fixed-interface modes the reduction is a change of coordinates."""
     load: dict[str, Any] = {

@@ -14,7 +14,7 @@ from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.postprocess.fields.kinematics import ViewError, clearance_change, table_of_result
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.wear import lobe_shares, lobes_of
+from bladewhirl.postprocess.run.wear import lobe_shares, lobes_of, wear_summary
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.properties import stage_properties
 from bladewhirl.studies.runs.recorded_march import expected_bytes
@@ -109,6 +109,18 @@ def test_lobes_are_counted_by_the_largest_harmonic() -> None:
     assert int(share.argmax()) + 1 == 7
     assert share[6] == pytest.approx(0.8)
     assert share.sum() == pytest.approx(1.0)
+
+
+def test_the_number_of_lobes_is_that_of_the_profile(whole: Path) -> None:
+    with bw.open_result(whole) as result:
+        rods = result.sizes["rod"]
+        cut = 0.1 + 0.01 * np.cos(5.0 * 2.0 * np.pi * np.arange(rods) / rods)
+        strain = np.broadcast_to(cut, result["coating_strain"].shape)
+        round_wall = result.load().copy(deep=True)
+    round_wall["coating_strain"] = round_wall["coating_strain"].dims, strain
+    round_wall["clearance"] = 0.0 * round_wall["clearance"] + 1e-3
+    assert bw.wear(round_wall).attrs["lobes"] == 5
+    assert wear_summary(round_wall)["lobes"] == 5
 
 
 def test_the_file_of_a_mesh_need_not_be_here_to_see_the_wear(whole: Path) -> None:
