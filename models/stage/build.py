@@ -58,7 +58,6 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
             ),
             coating=wall_coating(stage),
             foreshortening=foreshortening(stage),
-            law=case.contact.law,
         )
         changed = with_blade_loss(stage, problem, with_speed_change(stage, problem))
         return with_fused_support(stage, changed)
