@@ -34,7 +34,7 @@ def requirements() -> list[str]:
 
 
 def write_source() -> None:
-    """Write the C source of the extension module: the marches, and the wrappers for Python."""
+    """Write the C source of the extension module: the march, and the wrappers for Python."""
     from cffi import FFI
 
     header = (KERNEL / "kernel.h").read_text()

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr, model_validator
 
@@ -24,18 +24,8 @@ from bladewhirl.models.inputs.units import Speed
 MOST_STEPS = 1e12
 """Largest number of time steps; so many steps take days, and step numbers are far from overflow."""
 
-SCHEMES = {
-    "central-difference": "bladewhirl.solvers.march.central_difference:CentralDifference",
-    "moreau-jean": "bladewhirl.solvers.march.dense:MoreauJean",
-    "penalty": "bladewhirl.solvers.march.dense:Penalty",
-}
-"""Module and class of each scheme, by its name in cases. The arguments of the class are a problem,
-the time step [s] and the number of steps between records, see `solvers.march.march.Scheme`."""
-
-if TYPE_CHECKING:
-    SchemeName = str
-else:
-    SchemeName = Literal[tuple(SCHEMES)]
+REMOVED_LAWS = "restitution and penalty contact were removed in this version"
+"""Reason for which other values of march.scheme, and keys of their contact laws, are refused."""
 
 WHOLE = 1e-6  #: relative tolerance with which record_step / time_step must be an integer
 
@@ -98,26 +88,6 @@ class Contact(Table):
     displacement y. The shortening is measured along the blade. The tip also moves along a tangent,
     which brings it nearer to a round wall by y^2 / (2 R); this is included if tip_rotation is true
     as well."""
-    restitution: fields.NumberOrZero = 0.0
-    """Ratio of the speeds of a tip after and before an impact, 0 to 1, for march.scheme =
-    "moreau-jean"."""
-    penalty_stiffness: fields.Stiffness = 1e9
-    """Contact force per depth of penetration, for march.scheme = "penalty" [N/m]. A stiffness that
-    is too large for the time step is an error."""
-    stick_speed: fields.PositiveVelocity = 0.01
-    """Relative speed above which friction has its full value, for march.scheme = "penalty" [m/s].
-    Below this speed friction is smaller, and tips creep instead of sticking."""
-
-    @property
-    def law(self) -> dict[str, float]:
-        """Numbers of the contact laws by key, without the friction coefficient."""
-        numbers = self.model_dump(exclude={"friction"})
-        return {key: value for key, value in numbers.items() if isinstance(value, float)}
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a restitution above one, which would generate energy."""
-        if self.restitution > 1.0:
-            yield Inconsistency("restitution", "a number from 0 to 1")
 
 
 class Initial(Table):
@@ -162,6 +132,12 @@ class Coupling(Table):
     """Keep the factor pi of the integral in Eq. (8), which Eq. (9) omits."""
 
 
+def _known_scheme(value: object) -> object:
+    if value != "central-difference":
+        raise fields.expectation('"central-difference"', REMOVED_LAWS)
+    return value
+
+
 class March(ReplacedKeys):
     """The march, that is, the time integration."""
 
@@ -182,9 +158,9 @@ class March(ReplacedKeys):
     )
     """Speed over time in place of march.speed, rows of [time, speed] in ascending order of time:
     time [s] and speed as for march.speed, all as numbers or all as text. The speed is linear
-    between rows, and constant before the first and after the last row. Needs march.scheme =
-    "central-difference" and rotation.effects "none" or "full". Studies at one speed, such as
-    bladewhirl modes, use the fastest speed of the table."""
+    between rows, and constant before the first and after the last row. Needs rotation.effects
+    "none" or "full". Studies at one speed, such as bladewhirl modes, use the fastest speed of the
+    table."""
     speed_blend: fields.TimeOrZero | None = Field(default=None, examples=['"0.1 s"'])
     """Time in which the acceleration changes at a row of march.speed_table [s], so that no step of
     the acceleration excites vibration: at the first row and after a constant speed this time
@@ -228,11 +204,11 @@ class March(ReplacedKeys):
     unsolved_share: fields.NumberOrZero = 1e-3
     """Largest share of time steps whose contact problem may remain unsolved; a march with more ends
     as an error. 1 allows all."""
-    scheme: SchemeName = "central-difference"
-    """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
-    friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
-    stick and slip. "penalty": elastic contact with contact.penalty_stiffness, regularised friction
-    below contact.stick_speed. "moreau-jean" and "penalty" ignore contact.sliding."""
+    scheme: Annotated[Literal["central-difference"], BeforeValidator(_known_scheme)] = (
+        "central-difference"
+    )
+    """Time integration, which has one scheme: central differences with Lagrange multipliers, as in
+    the paper."""
 
     def in_seconds(self, omega: float) -> "March":
         """Return the march with its steps and duration in seconds at a speed of rotation [rad/s],
@@ -325,6 +301,3 @@ class March(ReplacedKeys):
         if self.varies and self.revolutions is not None:
             expected = "not allowed with a speed that varies; give march.duration"
             yield Inconsistency("revolutions", expected, ("speed_table", "run_up", "drive"))
-        if self.varies and self.scheme != "central-difference":
-            expected = '"central-difference" with a speed that varies'
-            yield Inconsistency("scheme", expected, ("speed_table", "run_up", "drive"))

@@ -79,18 +79,12 @@ class Case(Tables):
                 expected = f"{self.blades} rows, one for each blade, not {len(rows)}"
                 others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
                 yield Inconsistency(f"initial.{key}", expected, others)
-        if self.contact.foreshortening and self.march.scheme != "central-difference":
-            expected = '"central-difference" with contact.foreshortening = true'
-            yield Inconsistency("march.scheme", expected, ("contact.foreshortening",))
         if self.march.varies and self.rotation.effects == "centrifugal":
             expected = '"none" or "full" with a speed that varies'
             yield Inconsistency("rotation.effects", expected, ("march.speed_table", "march.run_up"))
         if self.march.drive is not None:
             yield from self._drive_faults()
         if self.casing.coating is not None:
-            if self.march.scheme != "central-difference":
-                expected = '"central-difference" with casing.coating'
-                yield Inconsistency("march.scheme", expected, ("casing.coating",))
             if not self.casing.coating.thickness < self.tip_radius:
                 expected = f"less than the radius of the tips, {self.tip_radius:.6g} m"
                 yield Inconsistency("casing.coating.thickness", expected)
@@ -134,14 +128,9 @@ class Case(Tables):
     def _loss_faults(self) -> Iterator[Inconsistency]:
         """Yield what the loss of a blade and a support that fuses do not allow."""
         loss, march, disk = self.blade_loss, self.march, self.bladed_disk
-        if self.shaft.fuse_force is not None:
-            for key, allowed, expected in (
-                ("coupling.stiffness", self.coupling.stiffness == 0.0, "0"),
-                ("march.scheme", march.scheme == "central-difference", '"central-difference"'),
-            ):
-                if not allowed:
-                    expected = f"{expected} with shaft.fuse_force"
-                    yield Inconsistency(key, expected, ("shaft.fuse_force",))
+        if self.shaft.fuse_force is not None and self.coupling.stiffness:
+            expected = "0 with shaft.fuse_force"
+            yield Inconsistency("coupling.stiffness", expected, ("shaft.fuse_force",))
         if loss is None:
             return
         if max(loss.blade) >= self.blades:
@@ -154,7 +143,6 @@ class Case(Tables):
             ("bladed_disk.mistuning", not disk.mistuning.is_given(self.blades), "equal blades"),
             ("bladed_disk.shrouds", not disk.shrouds, "blades without shrouds, packets included,"),
             ("coupling.stiffness", self.coupling.stiffness == 0.0, "0"),
-            ("march.scheme", march.scheme == "central-difference", '"central-difference"'),
         ):
             if not allowed:
                 yield Inconsistency(key, f"{expected} with [blade_loss]", ("blade_loss.blade",))

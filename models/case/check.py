@@ -8,6 +8,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from bladewhirl.models.case.analysis import REMOVED_LAWS
 from bladewhirl.models.case.excitation import EXCITATIONS, ONE, SEVERAL
 from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_faults
 from bladewhirl.models.case.tables import Tables
@@ -23,6 +24,12 @@ KINDS: Mapping[str, Mapping[str, type[Table]]] = {"excitation": EXCITATIONS, "se
 
 FIXED_PHRASES = {"bool_type": "true or false", "string_type": "text"}
 """Text of the expected value for each type of pydantic error."""
+
+REMOVED_KEYS = dict.fromkeys(
+    ("contact.restitution", "contact.penalty_stiffness", "contact.stick_speed"),
+    f"not allowed, because {REMOVED_LAWS}; remove this key",
+)
+"""Text of the fault of each key that earlier versions had."""
 
 TABLE_ERRORS = ("model_type", "model_attributes_type", "dict_type")
 
@@ -74,7 +81,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
     if kind in (EXPECTED, INCONSISTENT):
         return str(context["expected"])
     if kind == "extra_forbidden":
-        return _known_key(_location(details), path)
+        return REMOVED_KEYS.get(dotted(path)) or _known_key(_location(details), path)
     if kind in TAG_ERRORS:
         return " or ".join(f'"{name}"' for name in KINDS[str(path[0])])
     if kind == "literal_error":

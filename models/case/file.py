@@ -69,7 +69,8 @@ def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
     """Return one table from the text of a case, such as [casing]; the default table if the
     text lacks it.
 
-    Other tables are ignored, so that the files named in them need not exist on this computer.
+    Other tables are ignored, so that the files named in them need not exist on this computer. So
+    are unknown keys, which results of other versions have.
 
     Args:
         text: TOML text of the case.
@@ -80,12 +81,13 @@ def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
         CaseError: the text is not TOML, or the table is invalid.
     """
     given = _parsed(text, "case").get(name, {})
+    if not isinstance(given, dict):
+        raise CaseError([Fault(key=name, expected="a table")])
+    known = {field.alias or attribute for attribute, field in kind.model_fields.items()}
     try:
-        return kind(**given)
-    except (ValidationError, TypeError) as error:
-        if isinstance(error, ValidationError):
-            raise CaseError(faults_of(error, given, name)) from None
-        raise CaseError([Fault(key=name, expected="a table")]) from None
+        return kind(**{key: value for key, value in given.items() if key in known})
+    except ValidationError as error:
+        raise CaseError(faults_of(error, given, name)) from None
 
 
 def optional_table_of(text: str, name: str, kind: type[TableT]) -> TableT | None:

@@ -48,7 +48,6 @@ def _bounds(case: Case) -> Iterator[Bound]:
         yield "casing.clearance", case.casing.clearance, least, most, "m, or 0, for this tip radius"
     springs = {
         "coupling.stiffness": case.coupling.stiffness,
-        "contact.penalty_stiffness": case.contact.penalty_stiffness,
         "shaft.stiffness": case.shaft.stiffness,
     }
     for row, spring in enumerate(case.casing.springs):

@@ -74,8 +74,7 @@ class Shaft(ReplacedKeys):
     rotation.effects = "full"."""
     fuse_force: Annotated[float, quantity("N")] | None = Field(default=None, examples=['"50 kN"'])
     """Force in the springs at which the support fuses [N]: from this instant on the springs have
-    the stiffness shaft.fused_stiffness. Dampers stay. Needs march.scheme = "central-difference" and
-    a bladed disk of beams."""
+    the stiffness shaft.fused_stiffness. Dampers stay. Needs a bladed disk of beams."""
     fused_stiffness: StiffnessOrZero | None = Field(default=None, examples=['"2 MN/m"'])
     """Stiffness of each spring after the support has fused [N/m]."""
     clamped: StrictBool = False

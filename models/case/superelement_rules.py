@@ -10,11 +10,6 @@ from bladewhirl.models.superelements.superelement import LOADS
 
 RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
     (
-        "march.scheme",
-        ("central-difference",),
-        "the laws of the other schemes act on tips that have a mass, in two directions",
-    ),
-    (
         "contact.sliding",
         ("full", "permanent"),
         "a contact node also slides along the axis, where a signed speed has no meaning",

@@ -220,7 +220,6 @@ Stiffness = Annotated[float, quantity("N/m")]
 StiffnessOrZero = Annotated[float, quantity("N/m", "not negative")]
 DampingOrZero = Annotated[float, quantity("N s/m", "not negative")]
 Angle = Annotated[float, quantity("rad", "any")]
-PositiveVelocity = Annotated[float, quantity("m/s")]
 NumberOrZero = Annotated[float, number("not negative")]
 
 _AS_GIVEN = PlainSerializer(lambda speed: speed.given)

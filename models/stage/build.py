@@ -58,7 +58,6 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
             ),
             coating=wall_coating(stage),
             foreshortening=foreshortening(stage),
-            law=case.contact.law,
         )
         turning = with_speed_change(stage, problem)
         if turning.drive is not None and (gap := turning.initial_gap()).min() < 0.0:

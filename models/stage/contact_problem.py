@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
@@ -521,7 +520,7 @@ class Start:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactProblem:
-    """All data of a march except its time steps and its scheme."""
+    """All data of a march except its time steps."""
 
     rotor: ReducedRotor
     casing: ReducedCasing
@@ -542,8 +541,6 @@ class ContactProblem:
     slope: float | FloatArray = 0.0
     """Slope of a conical wall [rad], in whose axes contact nodes move, see `cone`; under a contour
     that of each contact node of a copy, (nodes,)."""
-    law: dict[str, float] = field(default_factory=lambda: Contact().law)
-    """Numbers of the contact law of the scheme, by their key in the table `contact` of a case."""
     change: SpeedChange | None = None  #: None for a constant speed
     drive: FreeSpeed | None = None  #: None for a prescribed speed
     loss: "LostBlades | None" = None  #: None if no blade is lost

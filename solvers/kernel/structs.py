@@ -180,16 +180,3 @@ def march(
     pointers = [part.pointer for part in (state, records, scratch)]
     status = lib.march(parts, *pointers, step, steps, record_every, reached)
     return status, reached[0], reached[1]
-
-
-def dense_march(*structs: Struct | None, time_step: float, first: int, steps: int) -> int:
-    """Do steps of a dense scheme and return the number of steps done; see `kernel.h`.
-
-    Args:
-        structs: stage, closure, law, state (which is advanced in place) and scratch.
-        time_step: time step h [s].
-        first: number of the first step.
-        steps: number of steps to do.
-    """
-    pointers = [ffi.NULL if struct is None else struct.pointer for struct in structs]
-    return int(lib.dense_march(*pointers, time_step, first, steps))

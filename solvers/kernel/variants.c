@@ -1,40 +1,30 @@
-/* The marches for the instruction set of all processors, and the choice between instruction
- * sets. */
+/* The march for the instruction set of all processors, and the choice between instruction sets. */
 #include "variants.h"
 
 #if VARIANTS
 #define march march_baseline
-#define dense_march dense_march_baseline
 #endif
 
 #include "march.c"
 
-#include "dense.c"
-
 #if VARIANTS
 #undef march
-#undef dense_march
 
-/* Declare a march for two more instruction sets, and define the function that calls the march for
- * this processor. */
-#define CHOOSE(type, name, parameters, arguments)                                                  \
-    type name##_avx2 parameters;                                                                   \
-    type name##_avx512 parameters;                                                                 \
-    type name parameters                                                                           \
-    {                                                                                              \
-        if (__builtin_cpu_supports("avx512f"))                                                     \
-            return name##_avx512 arguments;                                                        \
-        if (__builtin_cpu_supports("avx2"))                                                        \
-            return name##_avx2 arguments;                                                          \
-        return name##_baseline arguments;                                                          \
-    }
+#define PARAMETERS                                                                                 \
+    const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,            \
+        int64_t steps, int64_t record_every, int64_t *reached
+#define ARGUMENTS stage, state, records, scratch, step, steps, record_every, reached
 
-CHOOSE(int, march,
-       (const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,
-        int64_t steps, int64_t record_every, int64_t *reached),
-       (stage, state, records, scratch, step, steps, record_every, reached))
-CHOOSE(int64_t, dense_march,
-       (const DenseStage *stage, const Closure *closure, const DenseLaw *law, DenseState *state,
-        DenseScratch *scratch, double h, int64_t first, int64_t steps),
-       (stage, closure, law, state, scratch, h, first, steps))
+int march_avx2(PARAMETERS);
+int march_avx512(PARAMETERS);
+
+/* Call the march for this processor. */
+int march(PARAMETERS)
+{
+    if (__builtin_cpu_supports("avx512f"))
+        return march_avx512(ARGUMENTS);
+    if (__builtin_cpu_supports("avx2"))
+        return march_avx2(ARGUMENTS);
+    return march_baseline(ARGUMENTS);
+}
 #endif

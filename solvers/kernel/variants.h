@@ -1,4 +1,4 @@
-/* Variants of the marches for the instruction sets of x86-64. At run time, the variant with the
+/* Variants of the march for the instruction sets of x86-64. At run time, the variant with the
  * widest registers of the processor is used; all variants give identical results (`lanes.h`). Only
  * a portable build (BLADEWHIRL_PORTABLE=1) has variants; any other build is for the machine that
  * compiles it. */

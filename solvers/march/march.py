@@ -1,7 +1,7 @@
-"""Contact march: the common interface of all schemes, and the loop that yields their records. A
-scheme is made for one problem and one time step, for which it factorises its matrices. It computes
-each state from the previous state only. A march can therefore be stopped, stored and resumed
-exactly."""
+"""Contact march: the interface of its scheme, with and without sudden changes of the rotor, and the
+loop that yields its records. The scheme is made for one problem and one time step, for which it
+factorises its matrices. It computes each state from the previous state only. A march can therefore
+be stopped, stored and resumed exactly."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -26,19 +26,6 @@ class EndReason(Enum):
     DAMPED = "damped"  #: no further contact is possible, see `FreeMotion`
 
 
-class LawError(ValueError):
-    """Error for a number of a contact law that a scheme does not allow.
-
-    Args:
-        key: key of the number in the table `contact` of a case.
-        expected: what is expected in its place.
-    """
-
-    def __init__(self, key: str, expected: str) -> None:
-        super().__init__(expected)
-        self.key = key
-
-
 @dataclass(frozen=True, kw_only=True)
 class CoatingRecords:
     """Records of an abradable coating."""
@@ -59,8 +46,8 @@ class CoatingRecords:
 class Chunk:
     """Consecutive records of a march.
 
-    Modes and contact nodes of separate blades are listed blade by blade. Arrays that a stage or a
-    scheme does not have are empty.
+    Modes and contact nodes of separate blades are listed blade by blade. Arrays that a stage does
+    not have are empty.
     """
 
     step: IntArray  #: step number n of each record, (records,)
@@ -216,7 +203,7 @@ class KernelState:
 
 
 class MarchState(Protocol):
-    """Protocol of the state of a march between two steps; its contents depend on the scheme."""
+    """Protocol of the state of a march between two steps; its contents depend on sudden changes."""
 
     @property
     def step(self) -> int:

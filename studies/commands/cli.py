@@ -19,7 +19,7 @@ from typer.core import TyperCommand
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.studies.commands.checks import reproduce, verify
 from bladewhirl.studies.commands.inputs import import_, mesh, new
-from bladewhirl.studies.commands.marches import compare, convergence, run
+from bladewhirl.studies.commands.marches import convergence, run
 from bladewhirl.studies.commands.modal import (
     campbell,
     critical_speeds,
@@ -59,7 +59,7 @@ class DocumentedCommand(TyperCommand):
 
 
 for command in (
-    *(campbell, compare, convergence, critical_speeds, export, import_, mesh, modes),
+    *(campbell, convergence, critical_speeds, export, import_, mesh, modes),
     *(
         new,
         periodic,

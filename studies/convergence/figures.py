@@ -1,7 +1,6 @@
-"""Figures of convergence in the time step and the modes, and of contact schemes."""
+"""Figures of convergence in the time step and the modes."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,24 +9,12 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import head, set_title, speed_label
+from bladewhirl.postprocess.plotting.titles import head
 
 REGIME_MARKERS = {"divergent": "^", "sustained": "o", "damped": "v", "no-contact": "s"}
 """Marker of each regime."""
 
 PERCENT, MILLI = 100.0, 1e3
-
-SCHEME_PANELS = {
-    "tip_displacement": "largest tip\ndisplacement [mm]",
-    "impulse": "normal impulse\nso far [N s]",
-    "energy": "energy [J]",
-}
-SCHEME_LINES: tuple[tuple[str, Any], ...] = (
-    ("rotor", "-"),
-    ("k = 1", (0, (5, 1.5))),
-    ("k = 0", (0, (1.2, 1.2))),
-)
-"""Colour and dashes of the line of each scheme."""
 
 
 @styled
@@ -105,24 +92,3 @@ def _reference_slopes(axes: Axes, step: Array) -> None:
         slope = middle * (step / np.sqrt(step[0] * step[-1])) ** order
         label = f"slope of order {order}"
         axes.plot(step, slope, color=COLOURS["rest"], linewidth=0.8, linestyle=dashes, label=label)
-
-
-@styled
-def plot_schemes(data: xr.Dataset) -> Figure:
-    """Draw tip displacement, impulse and energy over time for each scheme, with the cost of a step,
-    from a Dataset of `schemes.compare_schemes`."""
-    figure = new_figure(height=0.12)
-    panels = figure.subplots(3, sharex=True)
-    time = MILLI * data["time"].values
-    for name, (colour, dashes) in zip(data["scheme"].values, SCHEME_LINES, strict=True):
-        scheme = data.sel(scheme=name)
-        for axes, key, scale in zip(panels, SCHEME_PANELS, (MILLI, 1.0, 1.0), strict=True):
-            axes.plot(time, scale * scheme[key], color=COLOURS[colour], linestyle=dashes)
-        label = f"{name}, {1e6 * float(scheme['step_cost']):.0f} µs a step"
-        panels[0].lines[-1].set_label(label)
-    for axes, label in zip(panels, SCHEME_PANELS.values(), strict=True):
-        axes.set_ylabel(label)
-    panels[-1].set_xlabel("time [ms]")
-    set_title(figure, data.attrs["title"], speed_label(data))
-    figure.legend(loc="outside lower center", ncols=1)
-    return figure

@@ -39,8 +39,6 @@ def check(case: Case) -> None:
         UserError: they cannot; the message has the reason.
     """
     stage = marched_stage(case)
-    if case.march.scheme != "central-difference":
-        raise UserError('expected march.scheme = "central-difference"')
     if case.march.varies or case.blade_loss is not None or case.shaft.fuse_force is not None:
         raise UserError("expected a constant speed, and no [blade_loss] and shaft.fuse_force")
     if not corotating.is_corotating(stage.contact_problem()):

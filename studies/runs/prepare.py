@@ -6,8 +6,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.inputs.timing import Timing
@@ -16,7 +14,7 @@ from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_sta
 from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion
-from bladewhirl.solvers.march.march import LawError, Scheme
+from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
 
 Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
@@ -52,10 +50,7 @@ def prepare(given: Marchable, change: Change | None = None) -> Prepared:
     if change is not None:
         problem, timing = change(problem, timing)
     with numbers_within_reach(case):
-        try:
-            scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
-        except LawError as error:
-            raise CaseError([case_fault(case, f"contact.{error.key}", str(error))]) from None
+        scheme = make_scheme(problem, timing.time_step, timing.record_every)
         scheme.init()
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
@@ -72,15 +67,13 @@ def _finite(data: DataT) -> DataT:
     return data
 
 
-def screened(case: Case, problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
+def screened(problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, Timing]:
     """Return contact problem and timing of a screening march, see `screening_problem`.
 
     Raises:
         UserError: the case cannot be screened.
     """
     try:
-        if case.march.scheme != "central-difference":
-            raise ValueError('march.scheme = "central-difference"')
         return screening_problem(problem, timing)
     except ValueError as error:
         raise UserError(f"--screen: expected {error}") from None

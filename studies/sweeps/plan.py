@@ -298,22 +298,27 @@ def read_plan(directory: Path) -> SweepPlan:
         raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
+    current = f"bladewhirl {folder.version()} in format {SWEEP_FORMAT}"
+    origin = f"bladewhirl {made_by} in format {document.get('format', 1)}"
+    if origin != current:
+        raise _outdated(path, current, f"it is of {origin}")
     case = loads(text, file=str(path))
     try:
         digest = plan_digest(case, over, options, draws, table)
     except OSError as error:  # raised for the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
-        current = f"bladewhirl {folder.version()} in format {SWEEP_FORMAT}"
-        origin = f"bladewhirl {made_by} in format {document.get('format', 1)}"
-        was = "it was changed" if origin == current else f"it is of {origin}"
-        raise UserError(
-            f"{path}: expected a plan of {current}; {was}, so new points would not agree with the"
-            " points already marched"
-        )
+        raise _outdated(path, current, "it was changed")
     points = PointTable(values=table) if table else None
     grid = make_grid(case, over, large=True, draws=draws, table=points)
     return plan_sweep(case, grid, options)
+
+
+def _outdated(path: Path, current: str, reason: str) -> UserError:
+    return UserError(
+        f"{path}: expected a plan of {current}; {reason}, so new points would not agree with the"
+        " points already marched"
+    )
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:
@@ -402,4 +407,4 @@ def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
             at_point = with_values(case, grid.values(point))
             problem = problem_of(stage_at(at_point))
             if screen:
-                screened(at_point, problem, at_point.march.timing)
+                screened(problem, at_point.march.timing)

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -159,7 +159,7 @@ def _change(work: Work, stage: MarchedStage, point: Point) -> tuple[Change | Non
     """Return the function that changes the contact problem of a point, None for no change, and the
     data of the sweep on the start of the march."""
     if point.screen:
-        return partial(screened, stage.case), {}
+        return screened, {}
     if work.start == "periodic":
         branch = None if point.branch is None else Path(work.directory) / point.branch
         start, record = start_of(stage, branch, point.value)

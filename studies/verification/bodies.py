@@ -8,7 +8,6 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.analysis import SchemeName
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem
@@ -147,15 +146,7 @@ class Bar:
         return small_casing(self.frequency, gap, nodal=nodal)
 
 
-def marched(
-    given: ContactProblem,
-    dt: float,
-    steps: int,
-    *,
-    every: int = 1,
-    scheme: SchemeName = "central-difference",
-) -> Chunk:
-    """March from step 0 to `steps` with a scheme of runs; return a record of every `every`-th
-    step."""
-    made = make_scheme(given, dt, every, scheme)
+def marched(given: ContactProblem, dt: float, steps: int, *, every: int = 1) -> Chunk:
+    """March from step 0 to `steps`; return a record of every `every`-th step."""
+    made = make_scheme(given, dt, every)
     return made.advance(made.init(), steps + 1)[1]

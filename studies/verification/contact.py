@@ -4,12 +4,13 @@ The time integration of stages solves all problems, with one tip as the rotor, a
 second bar as the casing.
 """
 
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from bladewhirl.models.case.analysis import SchemeName
+from bladewhirl.models.stage.build import with_contact_nodes
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
@@ -191,9 +192,9 @@ def pad_on_a_wall() -> ContactProblem:
 
 
 @cache
-def march_of_a_pad(scheme: SchemeName = "central-difference") -> Chunk:
+def march_of_a_pad() -> Chunk:
     """March the pad for 0.2 s, in which it comes to rest, with steps of 1e-5 s."""
-    return marched(pad_on_a_wall(), 1e-5, 20_000, scheme=scheme)
+    return marched(pad_on_a_wall(), 1e-5, 20_000)
 
 
 @verifies()
@@ -212,6 +213,27 @@ def coulomb_pad() -> Pairs:
         "pad_that_sticks": (np.full_like(stuck, known["extremes"][-1]), stuck),
         "work_on_a_pad": (known["friction_work"], chunk.friction_work[-1]),
         "force_on_a_pad": (np.full_like(force, 10.0), force),
+    }
+
+
+@verifies()
+def pad_that_sticks() -> Pairs:
+    """Compare the pad with Code_Aster SDND100 if friction opposes the slip velocity at the end of
+    each step: time after which it sticks, and extreme positions.
+
+    The friction force at rest is k x, which is half of mu m g.
+    """
+    base, known = pad_on_a_wall(), reference("published")["coulomb_pad"]
+    given = replace(base, rotor=with_contact_nodes(base.rotor), sliding="full")
+    chunk = marched(given, 1e-5, 20_000)
+    moving = chunk.time[np.abs(chunk.rotor_velocity[:, 1]) > 1e-12]
+    at = [round(n * np.pi / 100.0 / 1e-5) for n in range(4)]
+    extremes = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
+    force = chunk.friction_impulse[-1, 0] / (0.1 * chunk.contact_impulse[-1, 0])
+    return {
+        "time_of_sticking": (known["stuck_from"], moving[-1]),
+        "extremes_with_sticking": (known["extremes"], extremes),
+        "force_of_sticking": (-0.5, force),
     }
 
 

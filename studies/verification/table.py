@@ -13,7 +13,6 @@ SUBJECTS = {
     "modes": "Modes and stiffnesses",
     "rings": "Rings",
     "contact": "Impacts and friction",
-    "schemes": "Other contact schemes",
     "march": "March in time",
     "results": "Balances from the result file",
     "stability": "Parametric stability",

@@ -314,7 +314,7 @@ class Reference:
         restoring = self._stiffness * state.now + self._spring_force(state.step - 1, state.now)
         return float(0.5 * v @ v + 0.5 * state.before @ restoring)
 
-    def _force(self, n: int) -> FloatArray:
+    def _force(self, n: float) -> FloatArray:
         """Return the modal forces of the loads at step n, (modes,)."""
         total, problem = np.zeros(len(self._stiffness)), self._problem
         turned = problem.rotation_at(n * self._dt)
@@ -332,7 +332,7 @@ class Reference:
         force = rotor.centre.T @ (skew @ (rotor.centre @ x[: self._rotor_modes]))
         return np.concatenate([force, np.zeros(len(x) - self._rotor_modes)])
 
-    def _spring_force(self, n: int, x: FloatArray) -> FloatArray:
+    def _spring_force(self, n: float, x: FloatArray) -> FloatArray:
         """Return K*_n x of the coupling springs, of unequal static shaft springs and of the change
         of the speed, (modes,)."""
         change, modes = self._problem.change, self._rotor_modes
@@ -345,7 +345,7 @@ class Reference:
             return np.zeros_like(x)
         return self._problem.spring_stiffness(self._problem.angle_at(n * self._dt)) @ x
 
-    def _rows(self, x: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _rows(self, x: FloatArray, n: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus
         `metal_recess`, (tips,).
 
@@ -360,7 +360,7 @@ class Reference:
         tangential = np.hstack([-rotor.tip_tangential, along])
         return normal, tangential, clearance + problem.metal_recess
 
-    def _wall_rows(self, angle: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _wall_rows(self, angle: FloatArray, n: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return w and u of the casing modes at angles, (angles, modes), and the clearance at step
         n, (angles,)."""
         casing = self._problem.casing

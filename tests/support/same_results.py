@@ -4,12 +4,11 @@
     python tests/support/same_results.py make OTHER_FOLDER      # with the other
     python tests/support/same_results.py compare FOLDER OTHER_FOLDER
 
-``make`` uses the command line alone: seven runs of 0.2 s, both dense schemes, a small sweep, the
-modal studies, the comparison of schemes, ParaView series, a report, and the figures of one run and
-of the sweep. ``compare`` names each variable, JSON value and file of cells that differs or that one
-side lacks: NetCDF and JSON by value, CSV, VTK series and the data of HTML pages by their bytes.
-Attributes, software versions and texts of the JSON documents are not compared. ``make`` takes
-three minutes on one core.
+``make`` uses the command line alone: seven runs of 0.2 s, a small sweep, the modal studies,
+ParaView series, a report, and the figures of one run and of the sweep. ``compare`` names each
+variable, JSON value and file of cells that differs or that one side lacks: NetCDF and JSON by
+value, CSV, VTK series and the data of HTML pages by their bytes. Attributes, software versions and
+texts of the JSON documents are not compared. ``make`` takes three minutes on one core.
 """
 
 import json
@@ -26,7 +25,6 @@ from places import DATA, EXAMPLES
 IMBALANCE = EXAMPLES / "imbalance.toml"
 NAMES = "casing_distortion imbalance coupled_modes shrouded_fan mistuned_blades unequal_bearings"
 CASES = [*(EXAMPLES / f"{name}.toml" for name in NAMES.split()), DATA / "sketch_stage.toml"]
-DENSE_SCHEMES = ("moreau-jean", "penalty")
 SPINNING = "rotation.effects=full"
 SWEPT = ["--over", "march.speed=1.0:1.1:0.05", "--set", "march.duration=0.2"]
 PAGE_DATA = re.compile(r"<script[^>]*type=.application/json.[^>]*>(.*?)</script>", re.S)
@@ -58,10 +56,6 @@ def make(folder: Path) -> None:
         keep_json(documents / f"modes-{case.stem}.json", "modes", case)
         keep_json(documents / f"spinning-{case.stem}.json", "show", case, "--set", SPINNING)
         bladewhirl("mesh", case, "-o", folder / f"{case.stem}.vtu")
-    for scheme in DENSE_SCHEMES:
-        settings = ["--set", f"march.scheme={scheme}", "--set", "march.duration=0.01"]
-        bladewhirl("run", IMBALANCE, "-o", folder / scheme, "--frames", 0, *settings)
-    keep_json(documents / "compare.json", "compare", IMBALANCE, "--set", "march.duration=0.005")
     for effects in ([], ["--set", SPINNING]):
         name = "spinning" if effects else "static"
         keep_json(

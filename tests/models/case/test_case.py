@@ -68,7 +68,6 @@ CHOICES = {
     "casing.rotation": ("free", "fixed"),
     "contact.sliding": ("permanent", "signed"),
     "coupling.amplitude": ("paper", "physical"),
-    "march.scheme": ("central-difference", "moreau-jean", "penalty"),
     "casing-distortion.shape": ("rectangular", "half-sine"),
     "harmonic.frame": ("rotating", "static"),
     "shaft.frame": ("rotating", "static"),

@@ -361,6 +361,7 @@ def test_a_row_that_is_not_there_cannot_be_set() -> None:
 def test_one_table_of_a_case_needs_no_files_of_others() -> None:
     text = '[contact]\nfriction = 0.3\n[bladed_disk.mesh]\nfile = "nowhere.msh"\n'
     assert table_of(text, "contact", Contact) == Contact(friction=0.3)
+    assert table_of("[contact]\nstick_speed = 1.0", "contact", Contact) == Contact()
     assert table_of("", "casing", Casing) == Casing()
     for wrong, expected in (
         ("contact = 1", "contact: expected a table"),

@@ -106,10 +106,6 @@ def test_a_run_up_is_the_smooth_step() -> None:
             {"run_up": {"from": 1.0, "to": 2.0, "end": 1.0}, "revolutions": 10.0},
             "march.revolutions = 10.0: not allowed with a speed that varies",
         ),
-        (
-            {"run_up": {"from": 1.0, "to": 2.0, "end": 1.0}, "scheme": "penalty"},
-            'march.scheme = "penalty": expected "central-difference" with a speed that varies',
-        ),
     ],
 )
 def test_what_is_refused(march: dict[str, Any], message: str) -> None:

@@ -6,7 +6,6 @@ from places import EXAMPLES
 
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
-from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 
@@ -58,9 +57,3 @@ def test_the_form_of_a_problem_is_the_drawback_of_its_fields(around: bool) -> No
         rows, signs = drawback(stage.disk, modes.shapes @ x[:, None], blade, around=around)
         exact = 0.5 * signs @ rows[:, 0] ** 2
         assert given.opening(x)[blade] == pytest.approx(exact, rel=1e-6)
-
-
-def test_other_schemes_are_refused() -> None:
-    changes = ["contact.foreshortening=true", "march.scheme=penalty"]
-    with pytest.raises(CaseError, match=r"march\.scheme.*central-difference"):
-        read_case(EXAMPLES / "imbalance.toml", changes)

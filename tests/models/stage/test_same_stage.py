@@ -57,11 +57,9 @@ def pair(
     return contact_problem(stage), superelement_stage(bw.case_from(same)).problem_at(speed)
 
 
-def marched(
-    problem: ContactProblem, scheme: str = "central-difference"
-) -> tuple[Chunk, FloatArray]:
+def marched(problem: ContactProblem) -> tuple[Chunk, FloatArray]:
     """Records of a march, and the radial displacements of the tips."""
-    made = make_scheme(problem, 2e-6, 50, scheme)
+    made = make_scheme(problem, 2e-6, 50)
     _, chunk, _ = made.advance(made.init(), 5001)
     rotor = problem.rotor
     return chunk, np.array([rotor.at_tips(rotor.tip_radial, x) for x in chunk.rotor_displacement])

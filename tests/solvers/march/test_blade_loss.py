@@ -454,7 +454,6 @@ def test_a_resumed_march_with_a_loss_is_the_same() -> None:
             {"bladed_disk.shrouds": [{"radius": 0.4, "cuts": [5, 9]}]},
             "expected blades without shrouds, packets included, with [blade_loss]",
         ),
-        ({"march.scheme": "penalty"}, 'march.scheme = "penalty": expected "central-difference"'),
         ({"coupling.stiffness": 1e5}, "coupling.stiffness = 1e5: expected 0"),
         ({"march.time_step": 3e-6, "march.record_step": 3e-5}, "after the loss of a blade"),
     ],

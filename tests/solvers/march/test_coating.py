@@ -91,7 +91,6 @@ def test_a_coating_that_makes_no_sense(coating: dict[str, Any], message: str) ->
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
-        ({"march": {"scheme": "penalty"}}, 'march.scheme = .*: expected "central-difference"'),
         ({"march": {"time_step": 2e-5}}, "march.time_step = .*: expected less than"),
         ({"march": {"time_step": 2e-6, "speed": 9.0}}, "elements = .*: expected at most"),
     ],

@@ -129,7 +129,6 @@ def test_a_run_states_the_instant() -> None:
         ({"shaft.fuse_force": 1e4}, "shaft.fused_stiffness: expected a value with shaft.fuse"),
         ({"shaft.fused_stiffness": 1e4}, "shaft.fuse_force: expected a value with shaft.fused"),
         (FUSE | {"shaft.clamped": True}, "expected springs, shaft.clamped = false"),
-        (FUSE | {"march.scheme": "penalty"}, '"central-difference" with shaft.fuse_force'),
         (FUSE | {"coupling.stiffness": 1e5}, "expected 0 with shaft.fuse_force"),
         (
             FUSE | {"shaft.stiffness_y": 3e7, "shaft.frame": "static"},

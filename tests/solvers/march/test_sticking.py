@@ -1,6 +1,7 @@
 """Nodes that stick: Coulomb's law holds in every step, where friction exceeds the limit at which
 blades lock against the wall, and where a coating presses hard."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,12 @@ import pytest
 from symmetric_cases import write_parts
 
 import bladewhirl as bw
+from bladewhirl.models.stage.build import with_contact_nodes
+from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.contact import pad_on_a_wall
 
 SPEED, STEP, FRICTION = 600.0, 5e-7, 0.3
 
@@ -60,3 +65,18 @@ def test_friction_holds_nodes_or_opposes_their_slip(parts: Path, layer: float | 
     works = sum(result[name].values for name in sums) - result["damping_work"].values
     energy = result["energy"].values - result["energy"].values[0]
     assert np.abs(energy - works).max() < 1e-9 * np.abs(works).max()
+
+
+def test_a_tip_under_a_load_stays_up_to_the_limit_of_friction() -> None:
+    """Pulled with 0.9 and 1.1 of what friction holds: it stays, or slides."""
+    base = pad_on_a_wall()
+    body = replace(base.rotor, frequency=np.array([50.0, 0.0]))
+    base = replace(base, rotor=with_contact_nodes(body), sliding="full")
+    start, moved = replace(base.start, rotor=np.array([1e-3, 0.0])), []
+    for pull in (0.9, 1.1):
+        load = Load(rotor=np.array([0.0, pull]), casing=np.zeros(1))
+        given = replace(base, start=start, loads=(*base.loads, load))
+        moved.append(marched(given, 1e-5, 100_000, every=1000).rotor_displacement[:, 1])
+    assert np.abs(moved[0]).max() < 1e-8
+    assert np.ptp(moved[0][1:]) == 0.0
+    assert moved[1][-1] == pytest.approx(0.5 * 0.1, rel=1e-3)  # a t^2 / 2 after 1 s

@@ -78,10 +78,6 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
         {"screen": True, "draws": 9, "perturb": FRICTION, "histories": True},
         "--screen: not allowed together with --histories",
     ),
-    (
-        {"screen": True, "draws": 8, "perturb": FRICTION, "case": {"march.scheme": "penalty"}},
-        '--screen: expected march.scheme = "central-difference"',
-    ),
     ({"carry": "up", "over": {"contact.friction": [0.1, 0.2]}}, "needs --over march.speed"),
     ({"carry": "up", "stop_when": "damped"}, "not allowed together with --screen, --until"),
     ({"start": "periodic"}, "as tips of beams have mass"),
