@@ -94,10 +94,13 @@ static int stick_alone(Alone *a)
 {
     double (*c)[DIRECTIONS] = a->c;
     double det = c[1][1] * c[2][2] - c[1][2] * c[2][1], t[2][2];
+    int flat = !(fabs(det) > 1e-12 * (c[1][1] * c[1][1] + c[2][2] * c[2][2])); /* no axial motion */
+    if (flat && (c[2][2] != 0.0 || !(c[1][1] > 0.0)))
+        return 0;
     for (int k = 0; k < 2; k++) { /* tangential forces without and with a unit normal force */
         double one = k ? c[1][0] : -a->slip[0], two = k ? c[2][0] : -a->slip[1];
-        t[k][0] = (c[2][2] * one - c[1][2] * two) / det;
-        t[k][1] = (c[1][1] * two - c[2][1] * one) / det;
+        t[k][0] = flat ? one / c[1][1] : (c[2][2] * one - c[1][2] * two) / det;
+        t[k][1] = flat ? 0.0 : (c[1][1] * two - c[2][1] * one) / det;
     }
     double gap = a->gap - c[0][1] * t[0][0] - c[0][2] * t[0][1];
     double w = c[0][0] - c[0][1] * t[1][0] - c[0][2] * t[1][1];

@@ -1,6 +1,7 @@
 """Speeds at which waves on a turning disk meet others, by the frequencies that they have there."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,7 +50,12 @@ def crossings(waves: Waves, line: FloatArray, speeds: FloatArray) -> FloatArray:
 
 def test_the_fourth_power_of_the_speed_stiffens_a_wave() -> None:
     one = np.ones((1, 1), dtype=np.complex128)
-    parts = {"mass": one, "stiffness": 4e4 * one, "coriolis": 0.0 * one, "softening": 0.5 * one}
+    parts: Any = {
+        "mass": one,
+        "stiffness": 4e4 * one,
+        "coriolis": 0.0 * one,
+        "softening": 0.5 * one,
+    }
     wave = Waves(nodal_diameter=0, springs=0.0 * one, softening4=1e-5 * one, **parts)
     exact = np.sqrt(4e4 + 0.5 * 200.0**2 + 1e-5 * 200.0**4)
     assert wave.frequencies(200.0).real == pytest.approx([exact, -exact])

@@ -14,7 +14,7 @@ from bladewhirl.models.stage.build import with_contact_nodes
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
-from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
 from bladewhirl.studies.verification.contact import pad_on_a_wall
 
 SPEED, STEP, FRICTION = 600.0, 5e-7, 0.3
@@ -80,3 +80,20 @@ def test_a_tip_under_a_load_stays_up_to_the_limit_of_friction() -> None:
     assert np.abs(moved[0]).max() < 1e-8
     assert np.ptp(moved[0][1:]) == 0.0
     assert moved[1][-1] == pytest.approx(0.5 * 0.1, rel=1e-3)  # a t^2 / 2 after 1 s
+
+
+@pytest.mark.parametrize("speed", [20.0, 34.0, 40.0, 50.0, 100.0])
+def test_friction_of_an_impact_stops_the_slip_at_most(speed: float) -> None:
+    """A unit mass thrown against a wall that slides past it at 10 m/s: the impulse of the friction is
+    the smaller of that of sliding, 0.3 P, and of what stops the slip. It has no axial motion."""
+    rotor = small_rotor(
+        np.array([0.0, 0.0]),
+        tip_radial=np.array([[1.0, 0.0]]),
+        tip_tangential=np.array([[0.0, 1.0]]),
+    )
+    thrown = {"rotor_velocity": np.array([speed, 0.0])}
+    alone = problem(rotor, wall(1e-3), start=thrown, speed=10.0, friction=0.3, sliding="full")
+    scheme = make_scheme(replace(alone, rotor=with_contact_nodes(alone.rotor)), 1e-6, 1)
+    _, chunk, _ = scheme.advance(scheme.init(), 100)
+    assert chunk.contact_impulse.sum() == pytest.approx(speed)
+    assert chunk.friction_impulse.sum() == pytest.approx(min(0.3 * speed, 10.0))
