@@ -12,6 +12,7 @@ from symmetric_cases import write_parts
 import bladewhirl as bw
 from bladewhirl.models.stage.build import with_contact_nodes
 from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.solvers.march.scheme import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
@@ -84,8 +85,8 @@ def test_a_tip_under_a_load_stays_up_to_the_limit_of_friction() -> None:
 
 @pytest.mark.parametrize("speed", [20.0, 34.0, 40.0, 50.0, 100.0])
 def test_friction_of_an_impact_stops_the_slip_at_most(speed: float) -> None:
-    """A unit mass thrown against a wall that slides past it at 10 m/s: the impulse of the friction is
-    the smaller of that of sliding, 0.3 P, and of what stops the slip. It has no axial motion."""
+    """A unit mass thrown against a wall that slides past it at 10 m/s: the impulse of the friction
+    is the smaller of that of sliding, 0.3 P, and of what stops the slip. Nothing moves axially."""
     rotor = small_rotor(
         np.array([0.0, 0.0]),
         tip_radial=np.array([[1.0, 0.0]]),
