@@ -45,6 +45,17 @@ def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
     return open(file, encoding="utf-8-sig", errors=errors)
 
 
+def plain(text: str) -> str:
+    """Return the text of a number, or of numbers.
+
+    Raises:
+        ValueError: it has digits of other scripts or low lines, which Python accepts in numbers.
+    """
+    if "_" in text or not text.isascii():
+        raise ValueError("numbers have other digits than 0 to 9, or low lines")
+    return text
+
+
 def csv_rows(file: str | os.PathLike[str]) -> Iterator[tuple[int, list[str]]]:
     """Yield the number of the last line and the cells of each row of a CSV file of the user; long
     cells raise a `csv.Error`, because patterns take long for them. See `open_text` for errors."""

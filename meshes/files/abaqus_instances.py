@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh, extend
+from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh
 from bladewhirl.meshes.files.abaqus_text import Card, real
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -20,6 +20,7 @@ def place_instance(card: Card, part: AbaqusMesh, whole: AbaqusMesh) -> None:
         whole: assembly.
     """
     name = card.needs("NAME")
+    part.check_sets()
     if name.upper() in whole.instances:
         raise MeshFileError(f"each instance once; *INSTANCE, NAME={name} is defined twice")
     nodes, elements = (
@@ -40,7 +41,7 @@ def place_instance(card: Card, part: AbaqusMesh, whole: AbaqusMesh) -> None:
         for key, members in mine.items():
             full = f"{name}.{key}"
             whole.names.setdefault(full.upper(), full)
-            extend(sets, full, (placed[member] for member in members if member in placed))
+            whole.extend(sets, full, (placed[member] for member in members if member in placed))
     whole.solid_sections += [(f"{name}.{group}", one) for group, one in part.solid_sections]
     whole.sections += [(f"{name}.{one[0]}", *one[1:]) for one in part.sections]
     whole.masses += [(kind, f"{name}.{group}", value) for kind, group, value in part.masses]
@@ -61,7 +62,7 @@ def name_sets(whole: AbaqusMesh) -> None:
             short = full[len(_instance_of(full, whole)) + 1 :]
             if short.upper() in own:
                 continue
-            extend(sets, whole.names.setdefault(short.upper(), short), sets[full])
+            whole.extend(sets, whole.names.setdefault(short.upper(), short), sets[full])
             if not several:
                 del sets[full]
                 if sets is whole.element_sets:
@@ -73,8 +74,12 @@ def name_sets(whole: AbaqusMesh) -> None:
 
 def _instance_of(key: str, whole: AbaqusMesh) -> str:
     """Return the name of the instance in the name of a set; nothing for a set of the assembly."""
-    alike = (name for name in whole.instances if key.upper().startswith(f"{name}."))
-    return max(alike, key=len, default="")
+    name = key.upper()
+    while "." in name:
+        name = name.rpartition(".")[0]
+        if name in whole.instances:
+            return name
+    return ""
 
 
 def _moved(points: FloatArray, card: Card) -> FloatArray:

@@ -1,12 +1,23 @@
 """Contents of input of Abaqus and CalculiX, before they become a mesh of lines or of solids."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from copy import copy
+from dataclasses import dataclass, field, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
+from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray
+
+MOST_MEMBERS = 5_000_000
+"""Largest number of members of all sets, couplings and instances; decks of a few lines can have
+any number of them."""
+
+Sets = dict[str, dict[int, bool]]
+"""Members of each set in their order; true for those that are listed by their numbers."""
 
 
 @dataclass
@@ -19,10 +30,11 @@ class AbaqusMesh:
     points: dict[int, list[float]] = field(default_factory=dict)  #: node -> x, y, z
     elements: dict[int, list[int]] = field(default_factory=dict)  #: element -> nodes
     types: dict[int, str] = field(default_factory=dict)  #: element -> type, in capitals
-    node_sets: dict[str, list[int]] = field(default_factory=dict)
-    element_sets: dict[str, list[int]] = field(default_factory=dict)
+    node_sets: Sets = field(default_factory=dict)
+    element_sets: Sets = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)  #: name in capitals -> name
     solid_sections: list[tuple[str, str]] = field(default_factory=list)  #: set and material
+    sectioned: set[str] = field(default_factory=set)  #: sets with a section
     sections: list[tuple[str, str, float, float]] = field(default_factory=list)
     """Set, material, width and thickness of each rectangular section."""
     materials: dict[str, dict[str, float]] = field(default_factory=dict)
@@ -34,6 +46,57 @@ class AbaqusMesh:
     constraints: set[str] = field(default_factory=set)  #: other keywords that connect nodes
     instances: dict[str, tuple[dict[int, int], dict[int, int]]] = field(default_factory=dict)
     """Instance in capitals -> numbers of its nodes and elements by their numbers in the part."""
+    counted: list[int] = field(default_factory=lambda: [0])
+    """Number of members so far, shared by the parts of a file, see `MOST_MEMBERS`."""
+
+    def count(self, members: int) -> None:
+        """Count members before they are made.
+
+        Raises:
+            MeshFileError: the file has too many.
+        """
+        self.counted[0] += members
+        if self.counted[0] > MOST_MEMBERS:
+            raise MeshFileError(f"at most {MOST_MEMBERS} members of all sets and instances")
+
+    def part(self) -> "AbaqusMesh":
+        """Return an empty part of the file, which shares materials and numbers of members."""
+        return AbaqusMesh(materials=self.materials, unread=self.unread, counted=self.counted)
+
+    def instance(self) -> "AbaqusMesh":
+        """Return a copy of a part, whose contents can be extended."""
+        shared = ("materials", "unread", "counted")
+        own: dict[str, Any] = {k: copy(v) for k, v in vars(self).items() if k not in shared}
+        for kind in ("node_sets", "element_sets"):
+            own[kind] = {name: {**members} for name, members in own[kind].items()}
+            self.count(sum(map(len, own[kind].values())))
+        self.count(sum(len(each) for each in own.values()))
+        return replace(self, **own)
+
+    def extend(
+        self, sets: Sets, name: str | None, members: Iterable[int], *, listed: bool = False
+    ) -> None:
+        """Add members to a set of this mesh without repetition; without a name, do nothing."""
+        if name is not None:
+            own = sets.setdefault(name, {})
+            for member in members:
+                own.setdefault(member, listed)
+
+    def check_sets(self) -> None:
+        """Check that members that are listed by their numbers exist; ranges may have gaps.
+
+        Raises:
+            MeshFileError: a set has a node or an element that is not defined.
+        """
+        for kind, sets, known in (
+            ("node", self.node_sets, self.points),
+            ("element", self.element_sets, self.elements),
+        ):
+            for name, members in sets.items():
+                if lost := [n for n, listed in members.items() if listed and n not in known]:
+                    raise MeshFileError(
+                        f"{kind}s of the mesh in set {name}; {kind} {lost[0]} is not defined"
+                    )
 
     def nodes_of(self, elements: Iterable[int]) -> list[int]:
         """Return the nodes of elements, each once; elements that are not defined are skipped."""
@@ -42,23 +105,24 @@ class AbaqusMesh:
     def groups(self) -> dict[str, list[int]]:
         """Return the nodes of each set of nodes and of each set of elements. To a reference node
         belong the nodes that are coupled to it."""
-        groups = {name: list(members) for name, members in self.node_sets.items()}
-        for name, members in self.element_sets.items():
-            groups[name] = [*groups.get(name, []), *self.nodes_of(members)]
+        groups = {name: list(nodes) for name, nodes in self.node_sets.items()}
+        for name, elements in self.element_sets.items():
+            groups[name] = [*groups.get(name, []), *self.nodes_of(elements)]
+        leaders = {node for _, reference, _ in self.couplings for node in reference}
+        names = defaultdict[int, set[str]](set)
+        for name, members in groups.items():
+            for node in leaders.intersection(members):
+                names[node].add(name)
         for _, reference, nodes in self.couplings:
-            for members in groups.values():
-                if not set(reference).isdisjoint(members):
-                    members += nodes
+            for name in set[str]().union(*(names[node] for node in reference)):
+                self.count(len(nodes))
+                groups[name] += nodes
+                for node in leaders.intersection(nodes):
+                    names[node].add(name)
         return groups
 
 
-def extend(sets: dict[str, list[int]], name: str | None, members: Iterable[int]) -> None:
-    """Add members to a set without repetition; without a name, do nothing."""
-    if name is not None:
-        sets[name] = list(dict.fromkeys([*sets.get(name, []), *members]))
-
-
-def by_place(sets: Mapping[str, list[int]], place: Mapping[int, int]) -> dict[str, IntArray]:
+def by_place(sets: Mapping[str, Iterable[int]], place: Mapping[int, int]) -> dict[str, IntArray]:
     """Return sets with the place of each member; members without a place are left out."""
     return {
         name: np.array([place[n] for n in members if n in place], dtype=np.int64)

@@ -7,18 +7,16 @@ itself. Keywords that would change the mesh without being evaluated are an error
 """
 
 import re
-from collections.abc import Sequence
-from copy import deepcopy
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Sequence
 from itertools import chain
 from pathlib import Path
 
-import numpy as np
-
 from bladewhirl.meshes.files.abaqus_faces import surface_nodes
 from bladewhirl.meshes.files.abaqus_instances import name_sets, place_instance
-from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh, extend
-from bladewhirl.meshes.files.abaqus_text import Card, cards, real
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh
+from bladewhirl.meshes.files.abaqus_text import Card, cards, real, whole
+from bladewhirl.meshes.files.groups import MeshFileError, constant
 
 SOLID = re.compile(r"(?:A?C3D|DC3D|F3D)(\d+).*")
 """Elements of solids, whether supported or not; the number is that of their nodes."""
@@ -31,9 +29,6 @@ CONSTRAINTS = frozenset(["EQUATION", "MPC", "TIE", "CONTACT PAIR", "EMBEDDED ELE
 """Keywords that connect nodes, of which only matrices take account."""
 
 NODES, ELEMENTS = 0, 1
-
-MOST_MEMBERS = 1_000_000
-"""Largest number of members of a set that is given by ranges, and of nodes of all instances."""
 
 
 def read_abaqus(path: Path, *, follow: bool = True, outside: bool = False) -> AbaqusMesh:
@@ -54,12 +49,8 @@ def read_abaqus(path: Path, *, follow: bool = True, outside: bool = False) -> Ab
     """
     deck = _Deck()
     for card in cards(path, follow=follow, outside=outside):
-        try:
+        with card.located():
             deck.read(card)
-        except MeshFileError:
-            raise
-        except (ValueError, IndexError, KeyError, OverflowError):
-            raise MeshFileError(f"an .inp file with valid data under *{card.keyword}") from None
     return deck.finished()
 
 
@@ -75,13 +66,11 @@ class _Deck:
         """Add the data of a keyword."""
         match card.keyword:
             case "PART":
-                self._here = self._parts.setdefault(card.needs("NAME").upper(), self._empty())
+                self._here = self._parts.setdefault(card.needs("NAME").upper(), self.whole.part())
             case "INSTANCE":
-                part = self._parts.get(card.needs("PART").upper(), self._empty())
-                sizes = [len(one.points) + len(one.elements) for one in (self.whole, part)]
-                if sum(sizes) > MOST_MEMBERS:
-                    raise MeshFileError(f"at most {MOST_MEMBERS} nodes and elements of instances")
-                self._here, self._instance = deepcopy(part), card
+                if (part := self._parts.get(card.needs("PART").upper())) is None:
+                    raise MeshFileError(f"a *PART, NAME={card.needs('PART')} before its instance")
+                self._here, self._instance = part.instance(), card
             case "END INSTANCE" if self._instance is not None:
                 place_instance(self._instance, self._here, self.whole)
                 self._here, self._instance = self.whole, None
@@ -90,9 +79,6 @@ class _Deck:
             case _:
                 _read(card, self._here)
 
-    def _empty(self) -> AbaqusMesh:
-        return AbaqusMesh(materials=self.whole.materials, unread=self.whole.unread)
-
     def finished(self) -> AbaqusMesh:
         """Return the assembly; a single part without an instance is one.
 
@@ -100,6 +86,8 @@ class _Deck:
             MeshFileError: parts have no instance.
         """
         whole = self.whole
+        if self._instance is not None:
+            raise MeshFileError(f"*END INSTANCE after *INSTANCE, {self._instance.place}")
         filled = [name for name, part in self._parts.items() if part.elements]
         if filled and not whole.instances:
             if len(filled) > 1:
@@ -107,6 +95,7 @@ class _Deck:
                     f"an *INSTANCE of each *PART that is used; {' and '.join(filled)} have none"
                 )
             place_instance(Card("INSTANCE", {"NAME": filled[0]}), self._parts[filled[0]], whole)
+        whole.check_sets()
         name_sets(whole)
         return whole
 
@@ -125,25 +114,28 @@ def _read(card: Card, content: AbaqusMesh) -> None:
         case "ELEMENT":
             _read_elements(card, content)
         case "NSET" if "ELSET" in card.parameters:
-            elements = content.element_sets.get(card.parameters["ELSET"], [])
-            extend(content.node_sets, card.needs("NSET"), content.nodes_of(elements))
+            elements = content.element_sets.get(card.parameters["ELSET"], {})
+            content.count(len(elements))
+            content.extend(content.node_sets, card.needs("NSET"), content.nodes_of(elements))
         case "NSET":
-            extend(content.node_sets, card.needs("NSET"), _members(card, content, NODES))
+            _read_members(card, content, NODES, card.needs("NSET"))
         case "ELSET":
-            extend(content.element_sets, card.needs("ELSET"), _members(card, content, ELEMENTS))
+            _read_members(card, content, ELEMENTS, card.needs("ELSET"))
         case "SURFACE" if card.parameters.get("TYPE", "").upper() == "NODE":
             card.rows = [row[:1] for row in card.rows]
-            extend(content.node_sets, card.needs("NAME"), _members(card, content, NODES))
+            _read_members(card, content, NODES, card.needs("NAME"))
         case "SURFACE" if card.parameters.get("TYPE", "ELEMENT").upper() == "ELEMENT":
             _read_surface(card, content)
         case "BEAM SECTION" if card.parameters.get("SECTION", "").upper() == "RECT":
             _read_section(card, content)
         case "MATERIAL":
             content.material = card.needs("NAME").upper()
+            if content.material in content.materials:
+                raise MeshFileError(f"each material once; {card.needs('NAME')} is defined twice")
             content.materials[content.material] = {}
         case "SOLID SECTION":
-            section = card.needs("ELSET"), card.parameters.get("MATERIAL", "")
-            content.solid_sections.append(section)
+            group = _section_of(card, content)
+            content.solid_sections.append((group, card.parameters.get("MATERIAL", "")))
         case "ELASTIC" | "DENSITY":
             _read_property(card, content)
         case "MASS":
@@ -166,9 +158,10 @@ def _read_nodes(card: Card, content: AbaqusMesh) -> None:
     for number, *coordinates in card.rows:
         xyz = [real(value or "0") for value in coordinates[:3]]
         xyz += [0.0] * (3 - len(xyz))
-        if content.points.setdefault(int(np.int64(number)), xyz) != xyz:  # at most 64 bits
+        if content.points.setdefault(whole(number), xyz) != xyz:
             raise MeshFileError(f"each node at most once; node number {number} is defined twice")
-    extend(content.node_sets, card.parameters.get("NSET"), [int(row[0]) for row in card.rows])
+    name = card.parameters.get("NSET")
+    content.extend(content.node_sets, name, [whole(row[0]) for row in card.rows])
 
 
 def _read_elements(card: Card, content: AbaqusMesh) -> None:
@@ -183,15 +176,16 @@ def _read_elements(card: Card, content: AbaqusMesh) -> None:
         if number in content.elements:
             raise MeshFileError(f"each element once; element number {number} is defined twice")
         content.elements[number], content.types[number] = [first, *others], kind
-    extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
+    name = card.parameters.get("ELSET")
+    content.extend(content.element_sets, name, [row[0] for row in rows])
 
 
 def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
     """Return the numbers in a line; nodes may have the name of an instance before them."""
     try:
-        return [int(value) for value in row if value]
-    except ValueError:
-        return [_named(value, content, NODES)[0] for value in row if value]
+        return [whole(value) for value in row if value]
+    except MeshFileError:
+        return [next(iter(_named(value, content, NODES))) for value in row if value]
 
 
 def _read_property(card: Card, content: AbaqusMesh) -> None:
@@ -202,9 +196,23 @@ def _read_property(card: Card, content: AbaqusMesh) -> None:
         content.unread[content.material] = f"*ELASTIC, TYPE={kind}"
         return
     names = ("density",) if card.keyword == "DENSITY" else ("young_modulus", "poisson_ratio")
-    content.materials[content.material] |= dict(zip(names, values, strict=False))
+    for name, value in zip(names, values, strict=False):
+        content.materials[content.material][name] = constant(name, value)
     if len(card.rows) > 1:
         content.unread[content.material] = f"*{card.keyword} for several temperatures"
+
+
+def _section_of(card: Card, content: AbaqusMesh) -> str:
+    """Return the set of a section.
+
+    Raises:
+        MeshFileError: the set has a section already.
+    """
+    group = card.needs("ELSET")
+    if group in content.sectioned:
+        raise MeshFileError(f"one section for each set; {group} has two")
+    content.sectioned.add(group)
+    return group
 
 
 def _read_section(card: Card, content: AbaqusMesh) -> None:
@@ -212,60 +220,74 @@ def _read_section(card: Card, content: AbaqusMesh) -> None:
     axis = [real(value) for value in card.rows[1]] if len(card.rows) > 1 else [0.0, 0.0, -1.0]
     out_of_plane = abs(axis[2]) > max(abs(axis[0]), abs(axis[1]))
     width, thickness = (first, second) if out_of_plane else (second, first)
-    content.sections.append((card.needs("ELSET"), card.needs("MATERIAL"), width, thickness))
+    group = _section_of(card, content)
+    content.sections.append((group, card.needs("MATERIAL"), width, thickness))
 
 
-def _members(card: Card, content: AbaqusMesh, kind: int) -> list[int]:
-    """Return the members that a keyword lists as numbers, ranges or names of earlier sets.
+def _read_members(card: Card, content: AbaqusMesh, kind: int, name: str) -> None:
+    """Add the members that a keyword lists as numbers, ranges or names of earlier sets to a set.
 
     Args:
         card: keyword.
         content: contents so far.
         kind: `NODES` or `ELEMENTS`.
+        name: name of the set.
     """
-    instance = card.parameters.get("INSTANCE")
-    if "GENERATE" in card.parameters:
-        ranges = [[int(value) for value in row if value] for row in card.rows]
-        runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]
-        if sum(map(len, runs)) > MOST_MEMBERS:
-            raise MeshFileError(f"sets of at most {MOST_MEMBERS} members")
-        numbers = [*chain.from_iterable(runs)]
-        if instance is None:
-            return numbers
+    sets, instance = (
+        (content.node_sets, content.element_sets)[kind],
+        card.parameters.get("INSTANCE"),
+    )
+    placed = None
+    if "GENERATE" in card.parameters and instance is not None:
         placed = content.instances[instance.upper()][kind]
-        return [placed[number] for number in numbers if number in placed]
-    values = filter(None, chain.from_iterable(card.rows))
-    prefix = "" if instance is None else f"{instance}."
-    return [*chain.from_iterable(_named(f"{prefix}{value}", content, kind) for value in values)]
+    for row in card.rows if "GENERATE" in card.parameters else ():
+        first, last, step = ([whole(value) for value in row if value] + [1])[:3]
+        if not (first <= last and step > 0):
+            raise MeshFileError(f"ranges from a number to a larger one, got {', '.join(row)}")
+        numbers: Iterable[int] = range(first, last + 1, step)
+        content.count(len(range(first, last + 1, step)))
+        if placed is not None:
+            numbers = (placed[number] for number in numbers if number in placed)
+        content.extend(sets, name, numbers)
+    if "GENERATE" not in card.parameters:
+        prefix = "" if instance is None else f"{instance}."
+        for value in filter(None, chain.from_iterable(card.rows)):
+            members = _named(f"{prefix}{value}", content, kind)
+            content.extend(sets, name, members, listed=isinstance(members, list))
 
 
-def _named(value: str, content: AbaqusMesh, kind: int) -> list[int]:
-    """Return the members of a set, or a node or an element by its number, perhaps after the name of
-    an instance and a point."""
+def _named(value: str, content: AbaqusMesh, kind: int) -> Collection[int]:
+    """Return the members of a set, or a list of the node or element with a number, perhaps after
+    the name of an instance and a point."""
     sets = (content.node_sets, content.element_sets)[kind]
     if (name := content.names.get(value.upper(), value)) in sets:
+        content.count(len(sets[name]))
         return sets[name]
-    if value.lstrip("-").isdigit():
-        return [int(value)]
-    instance, _, number = value.rpartition(".")
-    if number.isdigit() and instance.upper() in content.instances:
-        return [content.instances[instance.upper()][kind][int(number)]]
-    raise MeshFileError(f"sets that consist of numbers and earlier sets; {value!r} is neither")
+    instance, point, number = value.rpartition(".")
+    try:
+        if not point:
+            return [whole(number)]
+        return [content.instances[instance.upper()][kind][whole(number)]]
+    except (MeshFileError, KeyError):
+        text = f"sets that consist of numbers and earlier sets; {value!r} is neither"
+        raise MeshFileError(text) from None
 
 
 def _read_surface(card: Card, content: AbaqusMesh) -> None:
     """Read a surface of faces of solids as a set of nodes; faces of other elements are skipped, and
     surfaces of sets that are not defined before."""
     instance = card.parameters.get("INSTANCE")
-    nodes: list[int] = []
+    faces = defaultdict[str, list[int]](list)
     for row in card.rows:
         value = row[0] if instance is None else f"{instance}.{row[0]}"
         try:
             elements = _named(value, content, ELEMENTS)
         except MeshFileError:
             return
-        nodes += surface_nodes(content, elements, row[1].upper() if len(row) > 1 else "")
-    extend(content.node_sets, card.needs("NAME"), nodes)
+        faces[row[1].upper() if len(row) > 1 else ""] += elements
+    content.count(len(content.elements) if "" in faces else 0)
+    nodes = [node for face, of in faces.items() for node in surface_nodes(content, of, face)]
+    content.extend(content.node_sets, card.needs("NAME"), nodes)
 
 
 def _read_coupling(card: Card, content: AbaqusMesh) -> None:
@@ -277,7 +299,7 @@ def _read_coupling(card: Card, content: AbaqusMesh) -> None:
             content.couplings.pop()
             content.constraints.add("*KINEMATIC of some displacements")
         return
-    reference = _named(card.needs("REF NODE"), content, NODES)
+    reference = [*_named(card.needs("REF NODE"), content, NODES)]
     keys = ("SURFACE", "NSET", "ELSET", "TIE NSET", "PIN NSET")
     nodes: list[int] = []
     for key, value in card.parameters.items():
@@ -296,7 +318,7 @@ def _read_coupling(card: Card, content: AbaqusMesh) -> None:
 def _displacements(rows: Sequence[Sequence[str]]) -> bool:
     """Return whether rows of first and last degrees of freedom contain all three displacements.
     Without a row they do."""
-    ranges = [[int(value) for value in row[:2] if value] for row in rows]
+    ranges = [[whole(value) for value in row[:2] if value] for row in rows]
     return not any(ranges) or all(
         any(min(row) <= one <= max(row) for row in ranges if row) for one in (1, 2, 3)
     )

@@ -6,17 +6,21 @@ read in their places. Numbers may have exponents of Fortran, such as 1.5d-3.
 
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
-from bladewhirl.files import LARGEST_TEXT, open_text
+import numpy as np
+
+from bladewhirl.files import LARGEST_TEXT, open_text, plain
 from bladewhirl.meshes.files.groups import MeshFileError
 
 WITH_INPUT = frozenset(["INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET"])
 """Keywords whose data may be in the file that INPUT= names."""
 
 MOST_FILES = 1000  #: largest number of times that files are read in the place of a keyword
+DEEPEST = 20  #: largest number of files of which each names the next
 
 SNIFFED = 200  #: number of lines in which Abaqus text is recognised
 
@@ -28,6 +32,7 @@ class Card:
     keyword: str
     parameters: dict[str, str]
     rows: list[list[str]] = field(default_factory=list)
+    place: str = ""  #: line and file, for messages
 
     def needs(self, name: str) -> str:
         """Return the value of a required parameter."""
@@ -35,10 +40,31 @@ class Card:
             raise MeshFileError(f"*{self.keyword} with {name}=")
         return self.parameters[name]
 
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Add keyword, line and file to the text of errors, of which some have no text."""
+        try:
+            yield
+        except (ValueError, IndexError, KeyError, OverflowError) as error:
+            known = isinstance(error, MeshFileError)
+            text = error if known else f"an .inp file with valid data under *{self.keyword}"
+            raise MeshFileError(f"{text} (*{self.keyword}, {self.place})") from None
+
 
 def real(text: str) -> float:
     """Return a number, perhaps with an exponent of Fortran such as 1.5d-3."""
-    return float(text.replace("d", "e").replace("D", "e"))
+    try:
+        return float(plain(text).replace("d", "e").replace("D", "e"))
+    except ValueError:
+        raise MeshFileError(f"a number, got {text!r}") from None
+
+
+def whole(text: str) -> int:
+    """Return a whole number of at most 64 bits."""
+    try:
+        return int(np.int64(int(plain(text))))
+    except (ValueError, OverflowError):
+        raise MeshFileError(f"a whole number, got {text!r}") from None
 
 
 def cards(path: Path, *, follow: bool = True, outside: bool = False) -> Iterator[Card]:
@@ -54,10 +80,10 @@ def cards(path: Path, *, follow: bool = True, outside: bool = False) -> Iterator
     """
     card: Card | None = None
     for line in _Lines(path, follow, outside).of(path, ()):
-        if line.startswith("*"):
+        if isinstance(line, Card):
             if card is not None:
                 yield card
-            card = _card(line)
+            card = line
         elif card is not None:
             card.rows.append([part.strip() for part in line.rstrip(",").split(",")])
     if card is None:
@@ -76,11 +102,11 @@ def is_abaqus_text(path: Path) -> bool:
     return re.match(r"\*\s*[A-Za-z]", first) is not None
 
 
-def _card(line: str) -> Card:
+def _card(line: str, place: str) -> Card:
     keyword, *parameters = (part.strip() for part in line[1:].split(","))
     pairs = (parameter.partition("=") for parameter in parameters if parameter)
     values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-    return Card(" ".join(keyword.upper().split()), values)
+    return Card(" ".join(keyword.upper().split()), values, place=place)
 
 
 class _Lines:
@@ -96,34 +122,39 @@ class _Lines:
         self._folder, self._follow, self._outside = path.parent, follow, outside
         self._files = self._bytes = 0
 
-    def of(self, path: Path, before: tuple[Path, ...]) -> Iterator[str]:
-        """Yield the lines without comments; a keyword with its continued lines is one line."""
+    def of(self, path: Path, before: tuple[Path, ...]) -> Iterator[str | Card]:
+        """Yield keywords, with their continued lines, and lines of data without comments."""
         try:
             with open_text(path, errors="replace") as stream:
-                text = (line.strip() for line in stream.read().splitlines())
+                text = enumerate(map(str.strip, stream.read().splitlines()), 1)
         except OSError as error:
             named = f" {path.name} for INPUT=" if before else ""
             raise MeshFileError(f"a readable file{named} ({error.strerror})") from None
-        lines = (line for line in text if line and not line.startswith("**"))
-        for line in lines:
+        lines = ((n, line) for n, line in text if line and not line.startswith("**"))
+        for number, line in lines:
             if not line.startswith("*"):
                 yield line
                 continue
-            while line.endswith(","):
-                following = next(lines, None)
-                if following is None:
+            continued = [line]
+            while continued[-1].endswith(","):
+                if (following := next(lines, None)) is None:
                     raise MeshFileError("another line: the last line ends with a comma")
-                line += following
-            card = _card(line)
+                continued.append(following[1])
+            card = _card("".join(continued), f"line {number} of {path.name}")
             if card.keyword != "INCLUDE":
-                yield line
-            if card.keyword in WITH_INPUT and "INPUT" in card.parameters:
-                yield from self.of(self._named(card, (*before, path)), (*before, path))
+                yield card
+            if card.keyword == "INCLUDE" or (
+                card.keyword in WITH_INPUT and "INPUT" in card.parameters
+            ):
+                above = (*before, path.resolve())
+                with card.located():
+                    file = self._named(card, above)
+                yield from self.of(file, above)
 
     def _named(self, card: Card, before: tuple[Path, ...]) -> Path:
         """Return the path of the file that a keyword names, relative to the folder of the mesh or,
         if there is none, to that of the file with the keyword."""
-        given = card.parameters["INPUT"]
+        given = card.needs("INPUT")
         if not self._follow:
             raise MeshFileError(
                 f"an .inp file without *{card.keyword}, INPUT=, with all nodes and elements listed"
@@ -144,8 +175,10 @@ class _Lines:
         except (OSError, ValueError, RuntimeError) as error:
             raise MeshFileError(f"a readable file {given} for INPUT= ({error})") from None
         self._files += 1
-        if path in [one.resolve() for one in before]:
+        if path in before:
             raise MeshFileError(f"files that do not include themselves; {given} does")
+        if len(before) > DEEPEST:
+            raise MeshFileError(f"at most {DEEPEST} files that include one another for INPUT=")
         if self._files > MOST_FILES or self._bytes > LARGEST_TEXT:
             raise MeshFileError(f"at most {MOST_FILES} files and {LARGEST_TEXT:g} bytes for INPUT=")
         return path

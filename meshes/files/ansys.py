@@ -14,7 +14,7 @@ import meshio
 
 from bladewhirl.files import open_text
 from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.groups import MeshFileError, check_numbers, constant
 from bladewhirl.meshes.files.meshio_cells import readable
 
 MATERIAL = "MAT"  #: start of the name of the group of the elements with a material
@@ -32,6 +32,9 @@ OTHERS = {"tetra": "C3D4", "tetra10": "C3D10", "wedge": "C3D6", "wedge15": "C3D1
 SOLIDS = (185, 186, 187)  #: numbers of the elements that are read
 
 CONTACT = range(169, 180)  #: numbers of the elements of contact
+
+COMMANDS = frozenset("/INP *DO *DOW *REP *USE *CRE *GO NGEN EGEN FILL NMOD NSCA".split())
+"""First four letters of commands that read files, repeat others or change the mesh."""
 
 CONSTRAINTS = ("CE", "CERIG", "CP")  #: commands that connect nodes
 
@@ -71,6 +74,12 @@ def ansys_mesh(path: Path) -> SolidMesh:
     with readable(path, "meshlane"):
         with open_text(path, errors="replace") as stream:
             lines = stream.read().splitlines()
+        check_numbers(lines)
+        for number, line in enumerate(lines, 1):
+            for word in (_words(part)[0] for part in line.split("!")[0].split("$")):
+                if word[:4] in COMMANDS:
+                    listed = "with all nodes and elements listed"
+                    raise MeshFileError(f"a file without {word}, {listed} (line {number})")
         types, options = _element_types(lines)
         elements = dict(_elements(lines))
         used = {kind for _, kind, _ in elements.values()}
@@ -169,7 +178,7 @@ def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Materi
     """Yield the materials of the elements, from MPDATA and MP."""
     values = defaultdict[str, dict[str, float]](dict)
     unread = dict[str, str]()
-    for line in lines:
+    for row, line in enumerate(lines, 1):
         words = _words(line)
         if words[0] == "MPDATA" and len(words) > 6:
             _, _, count, label, material, first, *numbers = words
@@ -184,7 +193,8 @@ def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Materi
         if label in DIRECTIONAL:
             unread[material] = f"has {label}, which is not read"
         elif label in CONSTANTS:
-            values[material][CONSTANTS[label]] = float(numbers[0])
+            key, place = CONSTANTS[label], f" ({words[0]},{label}, line {row})"
+            values[material][key] = constant(key, float(numbers[0]), place)
     for group in sets:
         material = group.removeprefix(MATERIAL)
         isotropic = not unread.get(material)

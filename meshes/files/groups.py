@@ -1,7 +1,9 @@
 """Contents of a mesh file before interpretation: points, lines, named groups and data."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,38 @@ RIGID = "rigid"  #: name of the line data that are 1 for rigid links
 
 class MeshFileError(ValueError):
     """Error for an unreadable or unsuitable mesh file; the text completes "expected ..."."""
+
+
+CONSTANTS = {
+    "young_modulus": "a positive Young's modulus",
+    "poisson_ratio": "a Poisson's ratio from 0 to less than 0.5",
+    "density": "a positive density",
+}
+"""What is expected of the constants of an isotropic material."""
+
+
+def constant(key: str, value: float, place: str = "") -> float:
+    """Return a constant of a material; `place` is that in the file, in brackets, for the message.
+
+    Raises:
+        MeshFileError: no solid has such a constant.
+    """
+    if not (0.0 <= value < 0.5 if key == "poisson_ratio" else 0.0 < value < inf):
+        raise MeshFileError(f"{CONSTANTS[key]}, got {value:g}{place}")
+    return value
+
+
+def check_numbers(lines: Iterable[str]) -> None:
+    """Check that numbers, which other libraries read, consist of ASCII digits without low lines.
+
+    Raises:
+        MeshFileError: a line has other numbers, which Python would accept.
+    """
+    for number, line in enumerate(lines, 1):
+        for word in line.replace(",", " ").split() if "_" in line or not line.isascii() else ():
+            foreign = "_" in word or not word.isascii()
+            if foreign and re.fullmatch(r"[-+.]*\d[-+.\d_eEdD]*", word):
+                raise MeshFileError(f"a number, got {word!r} (line {number})")
 
 
 @dataclass(frozen=True, kw_only=True)

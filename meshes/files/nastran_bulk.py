@@ -16,7 +16,7 @@ import numpy as np
 
 from bladewhirl.files import open_text
 from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.groups import MeshFileError, check_numbers, constant
 from bladewhirl.meshes.files.meshio_cells import readable
 from bladewhirl.meshes.line_mesh import IntArray
 
@@ -48,8 +48,8 @@ ENTRIES = (
 Cards = Mapping[str, list[list[Any]]]
 """Fields of all entries by their name; none for other names."""
 
-SET = re.compile(r"^\s*SET\s+(\d+)\s*=\s*((?:.*,\s*\n)*.*)$", re.IGNORECASE | re.MULTILINE)
-INCLUDE = re.compile(r"^\s*INCLUDE\b", re.IGNORECASE | re.MULTILINE)
+SET = re.compile(r"^[ \t]*SET[ \t]+(\d+)[ \t]*=[ \t]*((?:.*,[ \t]*\n)*.*)$", re.I | re.M)
+INCLUDE = re.compile(r"^[ \t]*INCLUDE\b", re.I | re.M)
 
 
 class _Material(Section):
@@ -79,7 +79,7 @@ def nastran_mesh(path: Path) -> SolidMesh:
     with readable(path, "pyyeti"):
         with open_text(path, errors="replace") as stream:
             text = stream.read()
-
+        check_numbers(text.splitlines())
         options = {"return_var": "list", "no_data_return": [], "follow_includes": False}
         pattern = f"({'|'.join(ENTRIES)})"  # of the start of a line
         found = bulk.rdcards(str(path), pattern, regex=True, keep_name=True, **options)
@@ -180,5 +180,9 @@ def _materials(cards: Cards, properties: dict[str, Any], used: list[str]) -> Ite
         if ratio == "" and young and shear:
             ratio = young / (2.0 * shear) - 1.0
         given = {"young_modulus": young, "poisson_ratio": ratio, "density": density}
-        values = {key: float(value) for key, value in given.items() if value != ""}
+        values = {
+            key: constant(key, float(value), f" (MAT1 {number})")
+            for key, value in given.items()
+            if value != ""
+        }
         yield _Material(name, str(number), values, others.get(number, ""))

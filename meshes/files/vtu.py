@@ -19,10 +19,8 @@ from bladewhirl.meshes.files.groups import GroupedLines, in_plane
 from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
-TEXT = re.compile(
-    rb"""<((?:Data)?Array)\b[^>]*type=["']String["'][^>]*?(?:/>|(?<!/)>.*?</\1>)""", re.DOTALL
-)
-"""An array of text, which PyVista writes and meshio cannot read."""
+TAG, TEXT = re.compile(rb"<((?:Data)?Array)\b[^<>]*?(/?)>"), re.compile(rb"""type=["']String["']""")
+"""Start of an array, and its attribute if it contains text."""
 
 MOST_VALUES = 1000
 """Largest number of different values of an array of integers that defines groups. An array with
@@ -64,8 +62,23 @@ def vtu_mesh(path: Path) -> meshio.Mesh:
             return meshio.vtu.read(str(path))
         with TemporaryDirectory() as folder:
             numbers = Path(folder) / path.name
-            numbers.write_bytes(TEXT.sub(b"", head) + mark + data)
+            numbers.write_bytes(b"".join(_without_text(head)) + mark + data)
             return meshio.vtu.read(str(numbers))
+
+
+def _without_text(content: bytes) -> Iterator[bytes]:
+    """Yield the pieces of a file between arrays of text, which PyVista writes and meshio cannot
+    read. The time is proportional to the length, which no pattern for whole arrays achieves."""
+    after = 0
+    for tag in TAG.finditer(content):
+        if tag.start() >= after and TEXT.search(tag[0]):
+            end = b"</" + tag[1] + b">"
+            closed = tag.end() if tag[2] else content.find(end, tag.end()) + len(end)
+            if closed < tag.end():  # nothing ends this array, nor those that follow
+                break
+            yield content[after : tag.start()]
+            after = closed
+    yield content[after:]
 
 
 def write_vtu(path: Path, mesh: GroupedLines) -> None:

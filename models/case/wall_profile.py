@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import model_validator
 
-from bladewhirl.files import csv_rows
+from bladewhirl.files import csv_rows, plain
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import to_si
@@ -112,7 +112,7 @@ def read_columns(file: Any, column: str) -> dict[float | None, list[list[float]]
         if not any(cell.strip() for cell in line):
             continue
         try:
-            row = [scale * float(cell) for scale, cell in zip(scales, line, strict=True)]
+            row = [scale * float(plain(cell)) for scale, cell in zip(scales, line, strict=True)]
         except ValueError:
             count = "two" if len(scales) == 2 else str(len(scales))
             raise fields.expectation(f"{count} numbers in line {number} of {file}") from None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.files import open_text
+from bladewhirl.files import open_text, plain
 from bladewhirl.meshes.files.abaqus_reader import read_abaqus
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import read_volume_mesh
@@ -72,7 +72,7 @@ def read_calculix(path: Path, *, outside: bool = False) -> ForeignPart:
 def _displacements(path: Path) -> IntArray:
     """Return node and direction of each row, (rows, 2)."""
     with open_text(path) as stream:
-        pairs = [word.split(".") for word in stream.read().split()]
+        pairs = [word.split(".") for word in plain(stream.read()).split()]
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.io as sio
 import scipy.sparse as sp
 
-from bladewhirl.files import csv_rows, open_text
+from bladewhirl.files import csv_rows, open_text, plain
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.imports.parts import ForeignPart
 from bladewhirl.models.superelements.containers import (
@@ -179,7 +179,7 @@ def _column(
     for line, row in enumerate(rows, 2):
         text = (row.get(key) or "").strip()
         try:
-            value = empty if not text and empty is not None else kind(text)
+            value = empty if not text and empty is not None else kind(plain(text))
             if not abs(value) <= MOST_IN_TABLE:
                 raise ValueError
         except (ValueError, OverflowError):
@@ -276,4 +276,4 @@ def _numbers_in(path: Path) -> FloatArray:
     """Return the numbers of a file without lines that begin with %."""
     with open_text(path) as stream:
         text = re.sub("^[ \t]*%.*$", "", stream.read(), flags=re.MULTILINE)
-        return np.array(text.replace(",", " ").split(), dtype=np.float64)
+        return np.array(plain(text).replace(",", " ").split(), dtype=np.float64)

@@ -43,7 +43,14 @@ def toml_key(name: object) -> str:
     return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else toml_value(text)
 
 
-LONGEST_VALUE = 60  #: largest number of characters of a value in an error message
+LONGEST_VALUE, LONGEST = 60, 1000
+"""Largest numbers of characters of a value in an error message, and of a message."""
+
+
+def shortened(line: str) -> str:
+    """Return a message without its middle if it is long: file and reason are at the ends."""
+    half = (LONGEST - 5) // 2
+    return line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}"
 
 
 def demand(text: str) -> str:
@@ -61,7 +68,7 @@ class UserError(Exception):
     @property
     def lines(self) -> list[str]:
         """Text of each fault on one line; each argument of the exception is a fault."""
-        return [" ".join(str(fault).split()) for fault in self.args]
+        return [shortened(" ".join(str(fault).split())) for fault in self.args]
 
 
 class Hint(UserWarning):
@@ -81,7 +88,7 @@ class Fault:
         """Return the fault on one line."""
         place = self.key if self.value is None else f"{self.key} = {shown(self.value)}"
         parts = (self.file, place, demand(self.expected))
-        return " ".join(": ".join(part for part in parts if part).splitlines())
+        return shortened(" ".join(": ".join(part for part in parts if part).splitlines()))
 
 
 class CaseError(UserError):

@@ -81,6 +81,8 @@ def cells_of(mesh: VolumeMesh, key: str, name: str) -> IntArray:
     Raises:
         CaseError: no group of cells has the name; the error names ``key``.
     """
+    if name in mesh.cell_groups:
+        return mesh.cell_groups[name]
     for group, cells in mesh.cell_groups.items():
         if group.upper() == name.upper():
             return cells

@@ -1,11 +1,15 @@
 """Reductions that are kept: in memory, and in a folder beside the file of the superelement.
 
 A reduction is found by a digest of all that it depends on: the arrays of the superelement, the
-numbers of sectors and modes, and the version of the method.
+numbers of sectors and modes, and the version of the method. The name of its file also has the size
+and a checksum of the contents, so that other contents are found before an array is read.
 """
 
 import hashlib
+import io
 import logging
+import re
+import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +18,7 @@ from zipfile import BadZipFile
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.files import replacing
+from bladewhirl.files import write_atomically
 from bladewhirl.models.superelements.superelement import Superelement
 
 logger = logging.getLogger(__name__)
@@ -25,6 +29,9 @@ VERSION = 4
 FOLDER = ".reduced"  #: what the name of the folder adds to that of the file
 
 LARGE = 1000  #: least number of coordinates of a superelement whose reduction is kept in a folder
+
+NAMES = re.compile("[0-9a-f]{32}(-[0-9]+-[0-9a-f]{64})?[.]npz")
+"""Names of the files in a folder, also of earlier versions; no other file is removed."""
 
 MOST = 8  #: largest number of reductions in a folder
 
@@ -42,7 +49,8 @@ def kept_reduction(
 ) -> Arrays:
     """Return the arrays of a reduction: those that were kept, else those that a function computes.
 
-    A file that is damaged is made again; a folder that cannot be written keeps nothing.
+    A file that is damaged is made again, which is logged; a folder that cannot be written, or is a
+    link, keeps nothing.
 
     Args:
         file: file of the superelement.
@@ -53,12 +61,16 @@ def kept_reduction(
     digest = _digest(part, settings)
     if digest in _remembered:
         return _remembered[digest]
-    path = Path(file + FOLDER) / f"{digest}.npz"
-    arrays = _read(path, digest) if part.size >= LARGE else None
+    folder = Path(file + FOLDER)
+    large = part.size >= LARGE
+    if large and folder.is_symlink():
+        logger.warning("%s: expected a folder, found a link: no reduction is kept.", folder)
+        large = False
+    arrays = _read(folder, digest) if large else None
     if arrays is None:
         arrays = compute()
-        if part.size >= LARGE:
-            _write(path, digest, arrays)
+        if large:
+            _write(folder, digest, arrays)
     if sum(one.nbytes for one in arrays.values()) <= IN_MEMORY:
         _remembered[digest] = arrays
         for old in list(_remembered)[:-REMEMBERED]:
@@ -83,24 +95,49 @@ def _digest(part: Superelement, settings: tuple[float, ...]) -> str:
     return found.hexdigest()[:32]
 
 
-def _read(path: Path, digest: str) -> Arrays | None:
+def _read(folder: Path, digest: str) -> Arrays | None:
     """Return the arrays of a file; None if there is none that is whole."""
-    try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, TypeError, EOFError, BadZipFile, NotImplementedError) as error:
-        if path.exists():
-            logger.info("%s is made again: %s", path, error)
-        return None
-    return arrays if str(arrays.pop("digest", "")) == digest else None
+    for path in sorted(folder.glob(f"{digest}-*.npz")):
+        try:
+            _, size, checksum = path.stem.split("-")
+            state = path.lstat()
+            if not stat.S_ISREG(state.st_mode):  # a link, or a pipe, from which reading never ends
+                raise ValueError("it is not a regular file")
+            if str(state.st_size) != size:
+                raise ValueError(f"its size is {state.st_size} bytes")
+            with path.open("rb") as stream:
+                if hashlib.file_digest(stream, "sha256").hexdigest() != checksum:
+                    raise ValueError("its contents have another checksum")
+                stream.seek(0)
+                with np.load(stream, allow_pickle=False) as archive:
+                    arrays = {name: archive[name] for name in archive.files}
+            if str(arrays.pop("digest", "")) != digest:
+                raise ValueError("it belongs to another reduction")
+            return arrays
+        except (OSError, ValueError, BadZipFile) as error:
+            logger.warning("%s: damaged (%s): the reduction is computed again.", path, error)
+            _remove(path)
+    return None
 
 
-def _write(path: Path, digest: str, arrays: Arrays) -> None:
+def _write(folder: Path, digest: str, arrays: Arrays) -> None:
+    stream = io.BytesIO()
     try:
-        with replacing(path) as draft, draft.open("wb") as stream:
-            np.savez(stream, allow_pickle=False, digest=np.array(digest), **arrays)
-        others = sorted(path.parent.glob("*.npz"), key=lambda one: one.stat().st_mtime)
-        for old in others[:-MOST]:
-            old.unlink()
-    except OSError as error:
+        np.savez(stream, allow_pickle=False, digest=np.array(digest), **arrays)
+        content = stream.getvalue()
+        checksum = hashlib.sha256(content).hexdigest()
+        write_atomically(folder / f"{digest}-{len(content)}-{checksum}.npz", content)
+        own = [one for one in folder.iterdir() if NAMES.fullmatch(one.name)]
+        for old in sorted(own, key=lambda one: one.lstat().st_mtime)[:-MOST]:
+            _remove(old)
+    except (OSError, MemoryError) as error:
         logger.info("the reduction is not kept: %s", error)
+
+
+def _remove(path: Path) -> None:
+    """Remove a file of a folder if its name is one that the program gives."""
+    try:
+        if NAMES.fullmatch(path.name):
+            path.unlink()
+    except OSError as error:
+        logger.info("%s is not removed: %s", path, error)

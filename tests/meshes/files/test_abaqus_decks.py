@@ -1,6 +1,7 @@
 """Decks of Abaqus and CalculiX as programs write them: files, parts, surfaces, couplings."""
 
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import meshio
@@ -9,6 +10,7 @@ import pytest
 from solid_meshes import cantilever, deck_text
 
 from bladewhirl.meshes.cells import CELL_TYPES
+from bladewhirl.meshes.files import abaqus_mesh
 from bladewhirl.meshes.files.abaqus_faces import FACES, SOLIDS
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
@@ -87,12 +89,16 @@ def test_files_outside_the_folder_are_read_on_request(tmp_path: Path) -> None:
         ("*INCLUDE, INPUT=.\n", "a readable file"),
         ("*INCLUDE, INPUT=\0\n", "a readable file"),
         ("*INCLUDE, INPUT=twice\n" * 1001, "at most 1000 files"),
+        ("*INCLUDE, INPUT=0.inc\n", "at most 20 files that include one another .*of 19.inc"),
+        ("** a deck\n*INCLUDE\n", r"\*INCLUDE with INPUT= \(\*INCLUDE, line 2 of deck.inp\)"),
         ("hello\n", "with keywords such as"),
         ("*NODE,", "the last line ends with a comma"),
     ],
 )
 def test_files_that_cannot_be_included_are_named(tmp_path: Path, text: str, expected: str) -> None:
     (tmp_path / "twice").write_text("** nothing\n")
+    for number in range(30):
+        (tmp_path / f"{number}.inc").write_text(f"*INCLUDE, INPUT={number + 1}.inc\n")
     with pytest.raises(MeshFileError, match=expected):
         read(tmp_path, text)
 
@@ -177,7 +183,7 @@ def test_instances_are_moved_and_turned(tmp_path: Path) -> None:
         (assembly("*NSET, NSET=a, INSTANCE=B-7\n1"), "sets that consist of .*'B-7.1' is neither"),
         (
             assembly("*INSTANCE, NAME=b, PART=blade\n1, x\n*END INSTANCE"),
-            "valid data under \\*END INSTANCE",
+            "a number, got 'x' \\(\\*END INSTANCE, line",
         ),
     ],
 )
@@ -186,6 +192,75 @@ def test_assemblies_that_are_not_whole_are_refused(
 ) -> None:
     with pytest.raises(MeshFileError, match=expected):
         read(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (TEXT.replace("1, 0.2", "1, 0_0.2"), r"a number, got '0_0\.20+' \(\*NODE, line 1 of deck"),
+        (TEXT.replace("\n1, ", "\n\u0661, ", 1), "a whole number, got '\u0661' .*NODE, line 1"),
+        (TEXT + "*NSET, NSET=a\n1, 2\n99999,\n", "set a; node 99999 is not defined"),
+        (TEXT + "*ELSET, ELSET=b\n7777,\n", "set b; element 7777 is not defined"),
+        (PART.replace("*END", "*NSET, NSET=a\n99\n*END"), "set a; node 99 is not defined"),
+        (TEXT + "*NSET, NSET=a, GENERATE\n10, 1, 1\n", "ranges .*, got 10, 1, 1 .*NSET, line"),
+        (TEXT + "*NSET, NSET=a, GENERATE\n1, 9, -1\n", "ranges .*, got 1, 9, -1"),
+        (TEXT + MATERIAL + MATERIAL, r"each material once; steel .* \(\*MATERIAL, line"),
+        (
+            f"{TEXT}{MATERIAL}" + "*SOLID SECTION, ELSET=ALL, MATERIAL=steel\n" * 2,
+            r"one section for each set; all has two \(\*SOLID SECTION, line",
+        ),
+        (
+            f"{MATERIAL.replace('2.1e11', '-2.1e11')}{TEXT}",
+            r"a positive Young's modulus, got -2.1e\+11 \(\*ELASTIC, line 2 of deck.inp\)",
+        ),
+        (MATERIAL.replace("0.3", "0.5"), "a Poisson's ratio from 0 to less than 0.5, got 0.5"),
+        (MATERIAL.replace("7800", "0"), r"a positive density, got 0 \(\*DENSITY, line 4"),
+        (MATERIAL.replace("7800", "nan"), "a positive density, got nan"),
+        (assembly("*INSTANCE, NAME=c, PART=NOWHERE\n*END INSTANCE"), "a \\*PART, NAME=NOWHERE"),
+        (assembly("*INSTANCE, NAME=c, PART=blade"), "\\*END INSTANCE after .*, line"),
+    ],
+)
+def test_faults_of_a_deck_are_named_with_their_place(
+    tmp_path: Path, text: str, expected: str
+) -> None:
+    with pytest.raises(MeshFileError, match=expected):
+        read(tmp_path, text)
+
+
+def test_ranges_of_a_set_may_have_gaps(tmp_path: Path) -> None:
+    mesh = read(tmp_path, f"{TEXT}*NSET, NSET=a, GENERATE\n1, 99999\n")
+    assert len(mesh.groups["a"]) == len(MESH.points)
+
+
+MANY = "*NSET, NSET=every, GENERATE\n1, 1000000\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "".join(f"*NSET, NSET=a{n}, GENERATE\n1, 999999\n" for n in range(200)),
+        MANY + "*NSET, NSET=a\n" + "every\n" * 100_000,
+        MANY + "*COUPLING, REF NODE=1, SURFACE=every\n" * 1000,
+        f"*PART, NAME=p\n{MANY}*END PART\n"
+        + "".join(f"*INSTANCE, NAME=i{n}, PART=p\n*END INSTANCE\n" for n in range(1000)),
+    ],
+)
+def test_what_short_decks_multiply_is_limited(
+    tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(abaqus_mesh, "MOST_MEMBERS", 1_100_000)
+    with pytest.raises(MeshFileError, match=r"at most 1100000 members .*line"):
+        read(tmp_path, text)
+
+
+def test_the_time_for_instances_and_continued_lines_is_proportional(tmp_path: Path) -> None:
+    """With a quadratic part each of them takes a minute."""
+    text = assembly(*(f"*INSTANCE, NAME=B-{n}, PART=blade\n*END INSTANCE" for n in range(300)))
+    start = process_time()
+    mesh = read(tmp_path, text)
+    assert len(mesh.groups["B-299.tip"]) == len(MESH.point_sets["tip"])
+    assert len(mesh.points) == 300 * len(MESH.points)
+    assert process_time() - start < 2.0
 
 
 PLANES = {
@@ -258,8 +333,8 @@ def test_to_a_reference_node_belong_the_nodes_coupled_to_it(tmp_path: Path, coup
             "\\*EQUATION, \\*MPC of deck.inp",
         ),
         (
-            "*INSTANCE, NAME=I-1, PART=p\n*NODE\n7, 0, 0, 0\n*END INSTANCE\n"
-            "*ELEMENT, TYPE=CONN3D2\n99, I-1.7, 3\n",
+            "*PART, NAME=p\n*END PART\n*INSTANCE, NAME=I-1, PART=p\n*NODE\n7, 0, 0, 0\n"
+            "*END INSTANCE\n*ELEMENT, TYPE=CONN3D2\n99, I-1.7, 3\n",
             "1 elements CONN3D2 of deck.inp are not read",
         ),
         ("*ELEMENT, TYPE=MASS, ELSET=weight\n99, 3\n", "1 elements MASS of deck.inp are not read"),

@@ -131,6 +131,41 @@ def brick(folder: Path, *rows: str, element: int = 185, option: int = 2, more: s
     return file
 
 
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ("/INPUT,../secret,txt", "a file without /INPUT, .*line"),
+        ("*do,i,1,1e12\n*enddo", "a file without \\*DO,"),
+        ("A=1 $ ngen,9,100,ALL", "a file without NGEN,"),
+        ("NBLOCK,6,SOLID\n(3i9,6e21.13e3)\n   9  0  0 1_0.0", "a number, got '1_0.0' .*line"),
+        ("MP,EX,3,-1", r"a positive Young's modulus, got -1 \(MP,EX, line \d+\)"),
+        ("MP,PRXY,3,0.5", "a Poisson's ratio from 0 to less than 0.5, got 0.5"),
+    ],
+)
+def test_faults_of_ansys_are_named_with_their_line(
+    tmp_path: Path, more: str, expected: str
+) -> None:
+    with pytest.raises(MeshFileError, match=expected):
+        read_volume_mesh(brick(tmp_path, WEDGES[0], more=more))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("2.1+11", "-2.1+11", r"a positive Young's modulus, got -2.1e\+11 \(MAT1 7\)"),
+        ("7800.", "0.", r"a positive density, got 0 \(MAT1 7\)"),
+        ("7800.", "7_8.", r"a number, got '7_8\.'"),
+        ("7800.", "\u0667.", r"a number, got '\u0667\.'"),
+    ],
+)
+def test_faults_of_nastran_are_named(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    nastran(tmp_path / "blade", rounded("hexahedron", (1, 1, 1)))
+    file = tmp_path / "blade.bdf"
+    file.write_text(file.read_text().replace(old, new))
+    with pytest.raises(MeshFileError, match=expected):
+        read_volume_mesh(file)
+
+
 WEDGES = (row(1, 1, 10, 1, 2, 3, 3, 5, 6, 7, 7), row(2, 1, 11, 1, 3, 4, 4, 5, 7, 8, 8))
 SURFACE = row(1, 2, 12, 1, 2, 3, 4)
 

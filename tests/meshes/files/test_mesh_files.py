@@ -206,7 +206,7 @@ SECTION = "*BEAM SECTION, ELSET=all, MATERIAL=TITAN, SECTION=RECT\n0.1, 0.01\n"
         ("a.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n", r"of version 4\.1 or 2\.2 .*, not 4$"),
         ("a.vtu", "<VTKFile", r"a \.vtu file that meshio can read"),
         ("a.inp", "", r"an \.inp file, with keywords"),
-        ("a.inp", "*NODE\n1, x\n", r"valid data under \*NODE"),
+        ("a.inp", "*NODE\n1, x\n", r"a number, got 'x' \(\*NODE, line 1 of a.inp"),
         ("a.inp", "*NODE\n1, nan, 0\n2, 1, 0\n*ELEMENT, TYPE=B21\n1, 1, 2\n", "finite coordinates"),
         ("a.inp", INP + "*ELEMENT, TYPE=B22\n1, 1, 2, 3\n", "found 1 curved cells of type B22"),
         ("a.inp", INP + "*ELEMENT, TYPE=B21\n1, 1, 4\n", "node 4 is not defined"),

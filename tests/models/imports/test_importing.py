@@ -308,9 +308,13 @@ def test_indefinite_and_unstable_matrices_are_refused() -> None:
         (("empty.mat", {**TIP, "nodes": "rows.csv"}), "expected matrices K and M"),
         (("missing.inp", TIP), "missing.sti, missing.mas, missing.dof in the same folder"),
         (("a.mat", {**TIP, "nodes": "long.csv"}), "line 2: node: expected a whole number"),
+        (
+            ("a.mat", {**TIP, "nodes": "low.csv"}),
+            "line 2: node: expected a whole",
+        ),
         (("a.mat", {**TIP, "nodes": "far.csv"}), "line 2: x: expected a finite number"),
-        (("long.inp", TIP), "valid data under *NODE"),
-        (("matrices.inp", {"contact": "9" * 5000}), "has no node 9999"),
+        (("long.inp", TIP), "a whole number, got '9999"),
+        (("matrices.inp", {"contact": "9" * 5000}), "9999 ... 9999"),
     ],
 )
 def test_what_cannot_be_right_is_refused(
@@ -324,6 +328,7 @@ def test_what_cannot_be_right_is_refused(
     number = "9" * 30
     (tables / "long.csv").write_text(f"node,x,y,z\n{number},0,0,0\n")
     (tables / "far.csv").write_text("node,x,y,z\n1,1e40,0,0\n")
+    (tables / "low.csv").write_text("node,x,y,z\n1_0,0,0,0\n")
     (tables / "long.inp").write_text(f"*NODE\n{number}, 0, 0, 0\n")
     name, choice = words
     files: Any = {key: tables / value for key, value in choice.items() if key in ("mass", "nodes")}

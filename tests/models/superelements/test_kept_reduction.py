@@ -1,5 +1,8 @@
 """Reductions kept beside the file of a superelement."""
 
+import hashlib
+import io
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -77,31 +80,41 @@ def test_a_reduction_is_computed_once_for_the_same_content(
 
 @pytest.mark.usefixtures("in_folder")
 def test_damaged_and_old_reductions_are_made_again(
-    tmp_path: Path, sector: Superelement, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
+    sector: Superelement,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     compute = Counted()
     kept(tmp_path, sector, compute, 12, 5)
     (file,) = (tmp_path / "a.npz.reduced").iterdir()
     content = file.read_bytes()
+    buffer = io.BytesIO()
+    np.savez(buffer, a=1.1 * np.arange(3.0), b=np.array([1j]))  # whole, with other numbers
     for damaged in (
         content[: len(content) // 2],
         b"",
         b"PK\x03\x04",
         content[:200] + content[230:],
+        buffer.getvalue(),
     ):
         file.write_bytes(damaged)
         before = compute.calls
-        assert kept(tmp_path, sector, compute, 12, 5)["a"].shape == (3,)
+        assert kept(tmp_path, sector, compute, 12, 5)["a"] == pytest.approx(np.arange(3.0))
         assert compute.calls == before + 1
         assert file.read_bytes() == content
+        (record,) = caplog.records
+        assert "damaged" in record.getMessage()
+        assert "\n" not in record.getMessage()
+        caplog.clear()
     kept(tmp_path, sector, compute, 12, 6)
     (other,) = set(file.parent.iterdir()) - {file}
     shutil.copy(other, file)  # whole, but of other settings
     kept(tmp_path, sector, compute, 12, 5)
-    assert compute.calls == 7
+    assert compute.calls == 8
     monkeypatch.setattr(kept_reduction, "VERSION", 0)
     kept(tmp_path, sector, compute, 12, 5)
-    assert compute.calls == 8
+    assert compute.calls == 9
 
 
 @pytest.mark.usefixtures("in_folder")
@@ -120,6 +133,63 @@ def test_old_reductions_are_removed(tmp_path: Path, sector: Superelement) -> Non
     for modes in range(kept_reduction.MOST + 3):
         kept(tmp_path, sector, Counted(), 12, modes)
     assert len(list((tmp_path / "a.npz.reduced").iterdir())) == kept_reduction.MOST
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_what_is_no_regular_file_is_neither_read_nor_followed(
+    tmp_path: Path, sector: Superelement, caplog: pytest.LogCaptureFixture
+) -> None:
+    compute = Counted()
+    kept(tmp_path, sector, compute, 12, 5)
+    (file,) = (tmp_path / "a.npz.reduced").iterdir()
+    outside = tmp_path / "outside.npz"
+    for linked in (False, True):
+        file.replace(outside)
+        if linked:
+            file.symlink_to(outside)
+        else:
+            os.mkfifo(file)
+        kept(tmp_path, sector, compute, 12, 5)
+        assert file.is_file()
+        assert not file.is_symlink()
+        assert caplog.records.pop().getMessage().count("not a regular file") == 1
+    assert compute.calls == 3
+    kept(tmp_path, sector, compute, 12, 5)
+    assert compute.calls == 3
+    file.parent.rename(tmp_path / "elsewhere")
+    file.parent.symlink_to(tmp_path / "elsewhere")
+    kept(tmp_path, sector, compute, 12, 5)
+    kept(tmp_path, sector, compute, 12, 6)
+    assert compute.calls == 5
+    assert len(list((tmp_path / "elsewhere").iterdir())) == 1
+    assert "found a link" in caplog.text
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_a_large_foreign_file_is_not_read(
+    tmp_path: Path, sector: Superelement, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept(tmp_path, sector, Counted(), 12, 5)
+    (file,) = (tmp_path / "a.npz.reduced").iterdir()
+    os.truncate(file, 10**12)  # most of it is a hole
+    monkeypatch.setattr(np, "load", None)
+    monkeypatch.setattr(hashlib, "file_digest", None)
+    assert kept(tmp_path, sector, compute := Counted(), 12, 5)["a"].shape == (3,)
+    assert compute.calls == 1
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_files_of_the_user_are_not_removed(tmp_path: Path, sector: Superelement) -> None:
+    folder = tmp_path / "a.npz.reduced"
+    folder.mkdir()
+    names = [f"mine{number}.npz" for number in range(kept_reduction.MOST + 3)]
+    for name in names:
+        (folder / name).write_bytes(b"mine")
+        os.utime(folder / name, (1e9, 1e9))
+    for modes in range(kept_reduction.MOST + 1):
+        kept(tmp_path, sector, Counted(), 12, modes)
+    assert {*names} <= {one.name for one in folder.iterdir()}
+    assert len(list(folder.iterdir())) == len(names) + kept_reduction.MOST
 
 
 def test_points_of_a_sweep_reduce_a_sector_once(
