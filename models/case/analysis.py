@@ -1,8 +1,8 @@
 """Tables of a case for the analysis: reduction, damping, contact, start, coupling and march."""
 
 import math
-from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, Self
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr, model_validator
 
@@ -23,6 +23,9 @@ from bladewhirl.models.inputs.units import Speed
 
 MOST_STEPS = 1e12
 """Largest number of time steps; so many steps take days, and step numbers are far from overflow."""
+
+REMOVED_DEFAULTS = {"restitution": 0.0, "penalty_stiffness": 1e9, "stick_speed": 0.01}
+"""Removed keys of the table contact, with values that had no effect."""
 
 REMOVED_LAWS = "restitution and penalty contact were removed in this version"
 """Reason for which other values of march.scheme, and keys of their contact laws, are refused."""
@@ -88,6 +91,18 @@ class Contact(Table):
     displacement y. The shortening is measured along the blade. The tip also moves along a tangent,
     which brings it nearer to a round wall by y^2 / (2 R); this is included if tip_rotation is true
     as well."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_effect(cls, given: Any) -> Any:
+        """Drop removed keys with the values that earlier versions wrote into every case."""
+        if not isinstance(given, Mapping):
+            return given
+        return {
+            name: value
+            for name, value in given.items()
+            if name not in REMOVED_DEFAULTS or value != REMOVED_DEFAULTS[name]
+        }
 
 
 class Initial(Table):

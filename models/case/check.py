@@ -8,7 +8,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from bladewhirl.models.case.analysis import REMOVED_LAWS
+from bladewhirl.models.case.analysis import REMOVED_DEFAULTS, REMOVED_LAWS
 from bladewhirl.models.case.excitation import EXCITATIONS, ONE, SEVERAL
 from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_faults
 from bladewhirl.models.case.tables import Tables
@@ -26,7 +26,7 @@ FIXED_PHRASES = {"bool_type": "true or false", "string_type": "text"}
 """Text of the expected value for each type of pydantic error."""
 
 REMOVED_KEYS = dict.fromkeys(
-    ("contact.restitution", "contact.penalty_stiffness", "contact.stick_speed"),
+    (f"contact.{name}" for name in REMOVED_DEFAULTS),
     f"not allowed, because {REMOVED_LAWS}; remove this key",
 )
 """Text of the fault of each key that earlier versions had."""

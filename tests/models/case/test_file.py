@@ -10,7 +10,7 @@ from faults import fault, faults
 from places import DATA, EXAMPLES
 
 from bladewhirl.models.case.analysis import Contact
-from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
 from bladewhirl.models.case.file import loads, read_case, table_of, with_values
@@ -370,3 +370,13 @@ def test_one_table_of_a_case_needs_no_files_of_others() -> None:
     ):
         with pytest.raises(CaseError, match=expected):
             table_of(wrong, "contact", Contact)
+
+
+def test_removed_keys_without_an_effect_are_dropped() -> None:
+    """Earlier versions wrote them into every case, with these values."""
+    earlier = {"restitution": 0.0, "penalty_stiffness": 1e9, "stick_speed": 0.01, "friction": 0.2}
+    case = case_from({"contact": earlier, "march": {"scheme": "central-difference"}})
+    assert case.contact == Contact(friction=0.2)
+    for name, value in (("restitution", 0.5), ("penalty_stiffness", 2e9), ("stick_speed", 1.0)):
+        with pytest.raises(CaseError, match=rf"contact\.{name} .*removed in this version"):
+            case_from({"contact": {name: value}})
