@@ -1,9 +1,11 @@
 """The `[bladed_disk.superelement]` table of a case: a file with the matrices of a blade."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Annotated, Any, Literal
+
+from pydantic import model_validator
 
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -19,13 +21,14 @@ class SuperelementTable(Table):
     file: Annotated[str, fields.file_path('the path of a file such as "blade.npz"')]
     """Path of a .npz or .mat file, relative to the case file."""
     copies: Annotated[int, fields.count(1)] = 1
-    """Number of blades or sectors. kind = "blade": blades at equal angles; "sector": sectors of the
-    wheel; "wheel": blades of the wheel, whose contact nodes are listed blade by blade, or 1 if its
-    blades are not to be distinguished."""
+    """Number of blades or sectors; by default the number of sectors in the file, if it has one.
+    kind = "blade": blades at equal angles; "sector": sectors of the wheel; "wheel": blades of the
+    wheel, whose contact nodes are listed blade by blade, or 1 if its blades are not to be
+    distinguished."""
     kind: Literal["blade", "sector", "wheel"] = "blade"
     """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
     "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
-    centre_dofs."""
+    centre_dofs. By default "sector" for a file with left_dofs, "wheel" for one with centre_dofs."""
     angle: fields.Angle = 0.0
     """Angle by which the structure in the file is turned about the axis [rad]."""
 
@@ -46,11 +49,26 @@ class SuperelementTable(Table):
     @property
     def stamp(self) -> tuple[int, int]:
         """Time of change [ns] and size [bytes] of the file."""
+        return stamp_of(self.file)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_the_file(cls, given: Any) -> Any:
+        """Take the kind and the number of sectors from the file unless they are given."""
+        path = given.get("file") if isinstance(given, Mapping) else None
+        if not isinstance(path, str | os.PathLike) or "\0" in os.fspath(path):
+            return given
+        file = os.path.abspath(path)
         try:
-            status = os.stat(self.file)
-        except OSError:
-            return 0, 0
-        return status.st_mtime_ns, status.st_size
+            part = _cached(file, *stamp_of(file))
+        except SuperelementError:
+            return given
+        own: dict[str, Any] = {}
+        if part.left_dofs is not None:
+            own = {"kind": "sector"} | ({"copies": part.sectors} if part.sectors else {})
+        elif part.centre_dofs is not None:
+            own = {"kind": "wheel"}
+        return own | dict(given)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for an unreadable file, and for a file that does not fit its kind."""
@@ -64,12 +82,25 @@ class SuperelementTable(Table):
             return
         if self.kind == "sector" and part.left_dofs is None:
             yield Inconsistency("kind", "a file with left_dofs and right_dofs for a sector")
+        if self.kind != "sector" and part.left_dofs is not None:
+            yield Inconsistency("kind", '"sector" for a file with the faces of a sector')
         if self.kind == "sector" and self.copies < 2:
             yield Inconsistency("copies", "at least 2 sectors")
+        elif self.kind == "sector" and part.sectors not in (None, self.copies):
+            yield Inconsistency("copies", f"{part.sectors}, the number of sectors in the file")
         if self.kind == "wheel" and part.contacts % self.copies:
             yield Inconsistency("copies", f"a divisor of the {part.contacts} contact nodes")
         if self.kind != "wheel" and part.centre_dofs is not None:
             yield Inconsistency("kind", '"wheel" for a file with centre_dofs')
+
+
+def stamp_of(file: str) -> tuple[int, int]:
+    """Return time of change [ns] and size [bytes] of a file; zeros if it cannot be read."""
+    try:
+        status = os.stat(file)
+    except OSError:
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=4)

@@ -211,6 +211,7 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         source=part.source,
         left_dofs=dofs[nodes["left_dofs"]] if nodes else None,
         right_dofs=dofs[nodes["right_dofs"]] if nodes else None,
+        sectors=choice.copies if nodes else None,
     )
     along = np.zeros((3, part.size))
     for axis in range(3):

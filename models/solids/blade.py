@@ -222,6 +222,7 @@ def mesh3d(
         "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{notes}, {materials}"
         + (f", stiffness at speed: {stiffening}" if stiffening and len(fixed) else ""),
         **{key: dofs[nodes] for key, nodes in faces.items()},
+        "sectors": copies,
     }
     stiffness = solid.stiffness()
     if blade is not None:

@@ -143,6 +143,7 @@ def part_superelement(
         ]
         blades = chosen & (np.array(mesh.line_parts) == BLADES)
         faces["blade_stiffness"] = _lines_alone(disk, blades, nodes)[1]
+        faces["sectors"] = len(sectors)
         faces |= {"left_dofs": dofs[np.searchsorted(nodes, twins)], "right_dofs": dofs[right]}
     flat = np.pad(mesh.points[nodes], ((0, 0), (0, 1)))
     return Superelement(

@@ -31,7 +31,7 @@ from bladewhirl.models.superelements.superelement import (
 )
 
 MATRICES = (*SQUARE, *RECOVERIES)
-SPEED = "speed"
+SPEED, SECTORS = "speed", "sectors"
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
@@ -89,6 +89,8 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
             values[key] = values[key].ravel()
     if SPEED in content:
         values[SPEED] = _number(content, SPEED)
+    if SECTORS in content:
+        values[SECTORS] = int(whole_numbers(SECTORS, _number(content, SECTORS)))
     for key in INTEGERS:
         if key in content:
             values[key] = whole_numbers(key, content[key])
@@ -131,7 +133,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
     if file.suffix.lower() != ".npz":
         raise SuperelementError(f"{file}: expected a name that ends with .npz")
     content: dict[str, Any] = {}
-    for key in (*MATRICES, *NUMBERS, SPEED, *INTEGERS, *TEXTS):
+    for key in (*MATRICES, *NUMBERS, SPEED, SECTORS, *INTEGERS, *TEXTS):
         value = getattr(part, key)
         if value is None:
             continue
@@ -147,7 +149,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
 
 _SPARSE = ("data", "indices", "indptr", "shape")
 KEYS = (
-    *(*MATRICES, *NUMBERS, SPEED, *INTEGERS, *TEXTS, *UNITS),
+    *(*MATRICES, *NUMBERS, SPEED, SECTORS, *INTEGERS, *TEXTS, *UNITS),
     *(f"{key}_{part}" for key in MATRICES for part in _SPARSE),
 )
 

@@ -126,6 +126,8 @@ class Superelement:
     right_dofs: IntArray | None = None
     """Numbers of the x, y and z displacements of the matching nodes on the counter-clockwise face,
     which is the clockwise face turned by one pitch, (l, 3)."""
+    sectors: int | None = None
+    """Number of sectors of the wheel, if it is known; with left_dofs."""
     name: str = "superelement"  #: name, free text
     source: str = ""  #: origin of the matrices, free text
 
