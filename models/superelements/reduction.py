@@ -62,6 +62,10 @@ rotation of a wheel makes unstable."""
 
 ALL_MODES = 2500  #: largest number of coordinates of which all modes are computed for the damping
 
+LOWEST, SMALL = 60, 1e-12
+"""Number of lowest modes from which the damping of a large structure follows; and the smallest
+mass of what they leave of the shapes, as a fraction of the largest."""
+
 RIGID_SECTOR = "expected a sector without rigid modes and with a stiffness that is not indefinite"
 
 FURTHER = ("damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
@@ -325,16 +329,34 @@ Root = Callable[[FloatArray], FloatArray]
 """
 
 
-def root_on_shapes(part: Superelement) -> Root:
-    """Return the root of the stiffness on the shapes."""
-    return lambda shapes: np.asarray(root_of(shapes.T @ (part.stiffness @ shapes)))
+def _root_of_lowest(part: Superelement) -> Root:
+    """Return the root of the stiffness from the lowest modes, and for what they leave of the shapes
+    an upper bound, the geometric mean of stiffness and mass. The root of the stiffness on the
+    shapes would be too large for low modes at speed."""
+    squares, modes = lowest_modes(part, min(LOWEST, part.size - 1))
+    rows = part.mass @ modes
+
+    def root(shapes: FloatArray) -> FloatArray:
+        inside = rows.T @ shapes
+        rest = shapes - modes @ inside
+        masses, turn = la.eigh(rest.T @ (part.mass @ rest))
+        turn = turn[:, masses > SMALL * masses[-1]] if masses[-1] > 0.0 else turn[:, :0]
+        scale = np.sqrt(masses[len(masses) - turn.shape[1] :])
+        rest = rest @ (turn / scale)
+        back = turn * scale
+        of_rest = back @ root_of(rest.T @ (part.stiffness @ rest)) @ back.T
+        return np.asarray(
+            inside.T @ (np.sqrt(np.maximum(squares, 0.0))[:, None] * inside) + of_rest
+        )
+
+    return root
 
 
 def root_at_rest(part: Superelement) -> Root:
     """Return the root of the whole stiffness, from all modes; of more than `ALL_MODES` coordinates
-    that of the stiffness on the shapes."""
+    from the lowest ones."""
     if part.size > ALL_MODES:
-        return root_on_shapes(part)
+        return _root_of_lowest(part)
     squares, modes = la.eigh(dense(part.stiffness), dense(part.mass))
     rows = np.maximum(squares, 0.0)[:, None] ** 0.25 * (part.mass @ modes).T
 

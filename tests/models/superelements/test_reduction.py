@@ -4,10 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from solid_meshes import STEEL
+from symmetric_cases import leaning_blade
 
+import bladewhirl as bw
 from bladewhirl.models.superelements import solver
+from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
-from bladewhirl.models.superelements.reduction import consistent, massless
+from bladewhirl.models.superelements.reduction import (
+    Root,
+    consistent,
+    massless,
+    root_at_rest,
+    root_of,
+)
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
 from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
 
@@ -187,3 +197,24 @@ def test_a_wheel_from_a_sector_is_the_whole_wheel(sectors: int) -> None:
     right, wrong = (np.abs(answer - expected).max() / np.abs(expected).max() for answer in answers)
     assert right < 0.001
     assert wrong > 0.05
+
+
+def test_damping_of_large_structures_follows_from_their_lowest_modes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The root of the stiffness at rest, on few modes at a speed that changes their shapes."""
+    part = bw.mesh3d(leaning_blade((3, 1, 1)), **STEEL, coriolis=True)
+    turning = at_speed(part, 1500.0, coriolis=True)
+    exact = consistent(turning, 10, 10, root_at_rest(part)).root
+    on_shapes = consistent(turning, 10, 10, root_on(part)).root
+    monkeypatch.setattr("bladewhirl.models.superelements.reduction.ALL_MODES", 100)
+    found = consistent(turning, 10, 10, root_at_rest(part)).root
+    assert exact is not None
+    assert found is not None
+    assert on_shapes is not None
+    assert np.diag(found) == pytest.approx(np.diag(exact), rel=2e-3)
+    assert on_shapes[0, 0] > 1.5 * exact[0, 0]  # what the stiffness on the shapes alone gives
+
+
+def root_on(part: Superelement) -> Root:
+    return lambda shapes: np.asarray(root_of(shapes.T @ (part.stiffness @ shapes)))
