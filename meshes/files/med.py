@@ -9,6 +9,7 @@ import meshio
 
 from bladewhirl.meshes.files.abaqus_solids import SolidMesh
 from bladewhirl.meshes.files.meshio_cells import readable
+from bladewhirl.meshes.hdf5 import open_hdf5
 
 
 def med_mesh(path: Path) -> SolidMesh:
@@ -20,6 +21,7 @@ def med_mesh(path: Path) -> SolidMesh:
     from meshlane import med  # long to load
 
     with readable(path, "meshlane"):
+        open_hdf5(path, kinds="iuf").close()
         mesh = med.read(str(path))
         cells = [(block.type, block.data) for block in mesh.cells]
         return SolidMesh(

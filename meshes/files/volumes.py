@@ -168,6 +168,8 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
     ends = [end for one in blocks.values() for end in (one.min(), one.max())]
     if not (min(ends) >= 0 and max(ends) < len(mesh.points)):
         raise MeshFileError("all nodes of the cells; some nodes are not defined")
+    if {mesh.points.dtype.kind, *(one.data.dtype.kind for one in solid.values())} - {*"iuf"}:
+        raise MeshFileError("coordinates and nodes of cells as numbers")
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.all(abs(points) <= FARTHEST):
         raise MeshFileError(f"nodes with three finite coordinates of at most {FARTHEST:g}")

@@ -16,6 +16,7 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from bladewhirl.meshes.hdf5 import open_hdf5
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import TIME, Variable
 from bladewhirl.solvers.march.storage import CutFile
@@ -31,10 +32,6 @@ NUMBERS = (
 )
 TEXTS = "title version symmetry blade_loss case end_reason end_message over criterion window"
 """Attributes of results and sweeps that are validated if a file contains them."""
-
-ROOM, DENSEST = 1e9, 100
-"""A file whose arrays declare more than `ROOM` bytes and more than `DENSEST` times the size of the
-file is rejected as damaged."""
 
 
 class ResultError(UserError):
@@ -118,14 +115,9 @@ def open_file(
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
     with ExitStack() as opened:
         try:
-            h5 = opened.enter_context(h5py.File(opened.enter_context(CutFile(file)), "r"))
+            whole = opened.enter_context(CutFile(file))
+            h5 = opened.enter_context(open_hdf5(file, stream=whole))
             stored = _stored(h5, str(file), gaps=gaps, cache=cache)
-            declared = sum(variable.nbytes for variable in stored.values())
-            size = file.stat().st_size
-            if declared > max(ROOM, DENSEST * size):
-                raise ValueError(
-                    f"it declares {declared:.3g} bytes of data in a file of {size:.3g} bytes"
-                )
             records = slice(complete_records(stored.attrs))
             dataset = stored.isel({TIME: records}, missing_dims="ignore")
             dataset = dataset.assign_coords(  # with an index
@@ -152,7 +144,7 @@ def _stored(h5: h5py.File, label: str, *, gaps: bool, cache: bool) -> xr.Dataset
     numbers = {
         array.attrs.get("_Netcdf4Dimid"): name
         for name, array in everything.items()
-        if array.is_scale
+        if _is_scale(array)
     }
     arrays = {
         name: array
@@ -185,14 +177,21 @@ def _coordinate(array: xr.DataArray) -> tuple[Any, Any, dict[Any, Any]]:
     return array.dims, np.asarray(array.values, dtype=str if texts else None), array.attrs
 
 
+def _is_scale(array: h5py.Dataset) -> bool:
+    """Return whether a variable is a dimension. The functions of HDF5 for dimensions, which h5py
+    calls, end the process if an attribute is damaged."""
+    return bool(array.attrs.get("CLASS") == b"DIMENSION_SCALE")
+
+
 def _dimensions(name: str, array: h5py.Dataset, numbers: Mapping[Any, str]) -> tuple[str, ...]:
     """Return the names of the dimensions of a variable; `numbers` maps the number of each dimension
     to its name."""
     if "_Netcdf4Coordinates" in array.attrs:  # a dimension that has values over several dimensions
         return tuple(numbers[number] for number in array.attrs["_Netcdf4Coordinates"])
-    if array.is_scale and array.ndim == 1:
+    if _is_scale(array) and array.ndim == 1:
         return (name,)
-    scales = [axis[0].name.rpartition("/")[2] if len(axis) else "" for axis in array.dims]
+    axes = array.attrs.get("DIMENSION_LIST", [()] * array.ndim)
+    scales = [array.file[axis[0]].name.rpartition("/")[2] if len(axis) else "" for axis in axes]
     return tuple(scale or f"{name}_axis_{number}" for number, scale in enumerate(scales))
 
 

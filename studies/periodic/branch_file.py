@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.hdf5 import open_hdf5
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.postprocess.periodic.dataset import OF_KEY, VARIABLES
 
@@ -40,7 +41,7 @@ class BranchFile(AbstractContextManager["BranchFile"]):
         points: int = 0,
     ) -> None:
         with writing(path):
-            self._h5 = h5py.File(path, "w" if coordinates is not None else "r+")
+            self._h5 = h5py.File(path, "w") if coordinates is not None else open_hdf5(path, "r+")
             self._file = h5netcdf.File(self._h5, "r+" if coordinates is None else "w")
         file = self._file
         if coordinates is None:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bladewhirl.files import json_text, replacing, write_atomically
+from bladewhirl.meshes.hdf5 import open_hdf5
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
@@ -116,7 +117,7 @@ class Store(AbstractContextManager["Store"]):
         #: reason of each failed point
         self.failures = {int(entry["point"]): entry["reason"] for entry in failed}
         try:
-            self._h5 = h5py.File(path, "r+")
+            self._h5 = open_hdf5(path, "r+")
         except BlockingIOError:
             raise UserError(f"{path}: is in use; is the sweep still running?") from None
         except OSError as error:
