@@ -125,8 +125,10 @@ def _locking(contact: ComplexArray, sense: float) -> float:
 
 
 def report(data: xr.Dataset) -> Study:
-    """Return the document and the table of `contact_modes`."""
-    rows = rows_of(data, COLUMNS)
+    """Return the document and the table of `contact_modes`; a mode that no friction locks has a
+    dash, and null in the document."""
+    locks = data["locking_friction"].where(np.isfinite(data["locking_friction"]))
+    rows = rows_of(data.assign(locking_friction=locks), COLUMNS)
     return Study(
         name="modes",
         document={"modes_in_contact": rows},

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from command_line import answer, refusal
 from exported_stages import beams, exported
 
 import bladewhirl as bw
+from bladewhirl.studies.modal.contact_modes import report
 
 BENT = {
     "blades": 5,
@@ -20,10 +22,13 @@ BENT = {
 def test_straight_blades_consume_clearance_by_the_second_order() -> None:
     """A tip that moves by a along the tangent is at the radius sqrt(R^2 + a^2)."""
     case = bw.with_values(beams("sector"), {"casing.clearance": "5 mm"})
-    one = bw.contact_modes(case, families=1).isel(mode=0)
+    modes = bw.contact_modes(case, families=1)
+    one = modes.isel(mode=0)
     a, radius = 5e-3, case.bladed_disk.tip_radius
     assert float(one["clearance_consumption"]) == pytest.approx(a / (2.0 * radius), rel=1e-4)
     assert np.isinf(one["locking_friction"])
+    rows: Any = report(modes).document["modes_in_contact"]
+    assert rows[0]["locking_friction"] is None
     assert float(one["held_frequency"]) == pytest.approx(float(one["frequency"]), rel=1e-6)
 
 
