@@ -5,7 +5,6 @@ HDF5 reads any file that a link, external storage or a virtual dataset names.
 
 from io import RawIOBase
 from os import PathLike, stat
-from typing import Any
 
 import h5py
 import numpy as np
@@ -16,17 +15,14 @@ ROOM, DENSEST = 1e9, 100
 """A file whose arrays declare more than `ROOM` bytes and more than `DENSEST` times the size of the
 file is rejected as damaged."""
 
+LIST = h5py.vlen_dtype(h5py.ref_dtype)  #: type of the list of the dimensions of a variable
+
 
 def open_hdf5(
     path: str | PathLike[str], mode: str = "r", stream: RawIOBase | None = None, kinds: str = ""
 ) -> h5py.File:
-    """Open an HDF5 file.
-
-    Args:
-        path: path of the file.
-        mode: "r" to read, "r+" to write too.
-        stream: file object through which it is read, if not by its path.
-        kinds: kinds of the numbers that all arrays have, as in NumPy; any by default.
+    """Open an HDF5 file, perhaps through a file object; `kinds` are the kinds of numbers, as in
+    NumPy, that its arrays may have, any by default.
 
     Raises:
         OSError: it cannot be opened, or has data in other files, of other kinds, or too many.
@@ -40,20 +36,15 @@ def open_hdf5(
             raise ValueError(f"{foreign} is in another file")
         sizes = [_size("", h5, kinds)]
         h5.visititems(lambda name, each: sizes.append(_size(name, each, kinds)))
-        if sum(sizes) > max(ROOM, DENSEST * (size := stat(path).st_size)):
+        declared, size = sum(sizes), stat(path).st_size
+        if declared > max(ROOM, DENSEST * size):
             raise ValueError(
-                f"it declares {sum(sizes):.3g} bytes of data in a file of {size:.3g} bytes"
+                f"it declares {declared:.3g} bytes of data in a file of {size:.3g} bytes"
             )
     except Exception as error:  # HDF5 raises many kinds for damaged bytes
         h5.close()
         raise OSError(str(error)) from None
     return h5
-
-
-def _check_objects(name: str, kind: np.dtype[Any], lists: bool) -> None:
-    text = h5py.check_vlen_dtype(kind) == h5py.ref_dtype if lists else h5py.check_string_dtype(kind)
-    if (lists or kind.kind == "O") and not text:
-        raise ValueError(f"{name} has neither numbers nor text")
 
 
 def _size(name: str, stored: h5py.Group | h5py.Dataset, kinds: str) -> float:
@@ -62,11 +53,15 @@ def _size(name: str, stored: h5py.Group | h5py.Dataset, kinds: str) -> float:
     Objects must be text or, in the list of dimensions of netCDF, references: HDF5 ends the process
     where damage turns text into an array of variable length.
     """
-    for key in stored.attrs:
-        _check_objects(f"{name} {key}", stored.attrs.get_id(key).dtype, key == "DIMENSION_LIST")
-    if not isinstance(stored, h5py.Dataset):
+    types = {key: stored.attrs.get_id(key).dtype for key in stored.attrs}
+    array = isinstance(stored, h5py.Dataset)
+    if h5py.check_vlen_dtype(types.pop("DIMENSION_LIST", LIST)) != h5py.ref_dtype or any(
+        kind.kind == "O" and h5py.check_string_dtype(kind) is None
+        for kind in (*types.values(), *([stored.dtype] if array else []))
+    ):
+        raise ValueError(f"{name} has neither numbers nor text")
+    if not array:
         return 0.0
-    _check_objects(name, stored.dtype, lists=False)
     if stored.is_virtual or stored.external:
         raise ValueError(f"{name} is in another file")
     if kinds and stored.dtype.base.kind not in kinds:

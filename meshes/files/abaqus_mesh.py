@@ -50,11 +50,7 @@ class AbaqusMesh:
     """Number of members so far, shared by the parts of a file, see `MOST_MEMBERS`."""
 
     def count(self, members: int) -> None:
-        """Count members before they are made.
-
-        Raises:
-            MeshFileError: the file has too many.
-        """
+        """Count members before they are made; too many are an error."""
         self.counted[0] += members
         if self.counted[0] > MOST_MEMBERS:
             raise MeshFileError(f"at most {MOST_MEMBERS} members of all sets and instances")
@@ -83,20 +79,16 @@ class AbaqusMesh:
                 own.setdefault(member, listed)
 
     def check_sets(self) -> None:
-        """Check that members that are listed by their numbers exist; ranges may have gaps.
-
-        Raises:
-            MeshFileError: a set has a node or an element that is not defined.
-        """
-        for kind, sets, known in (
-            ("node", self.node_sets, self.points),
-            ("element", self.element_sets, self.elements),
+        """Check that members that are listed by their numbers exist; ranges may have gaps."""
+        nodes, elements = self.node_sets.items(), self.element_sets.items()
+        for kind, known, sets in (
+            ("node", self.points, nodes),
+            ("element", self.elements, elements),
         ):
-            for name, members in sets.items():
+            for name, members in sets:
                 if lost := [n for n, listed in members.items() if listed and n not in known]:
-                    raise MeshFileError(
-                        f"{kind}s of the mesh in set {name}; {kind} {lost[0]} is not defined"
-                    )
+                    text = f"{kind}s of the mesh in set {name}; {kind} {lost[0]} is not defined"
+                    raise MeshFileError(text)
 
     def nodes_of(self, elements: Iterable[int]) -> list[int]:
         """Return the nodes of elements, each once; elements that are not defined are skipped."""

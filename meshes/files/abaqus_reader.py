@@ -8,7 +8,7 @@ itself. Keywords that would change the mesh without being evaluated are an error
 
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from itertools import chain
 from pathlib import Path
 
@@ -203,11 +203,7 @@ def _read_property(card: Card, content: AbaqusMesh) -> None:
 
 
 def _section_of(card: Card, content: AbaqusMesh) -> str:
-    """Return the set of a section.
-
-    Raises:
-        MeshFileError: the set has a section already.
-    """
+    """Return the set of a section, which must have no other."""
     group = card.needs("ELSET")
     if group in content.sectioned:
         raise MeshFileError(f"one section for each set; {group} has two")
@@ -233,27 +229,25 @@ def _read_members(card: Card, content: AbaqusMesh, kind: int, name: str) -> None
         kind: `NODES` or `ELEMENTS`.
         name: name of the set.
     """
-    sets, instance = (
-        (content.node_sets, content.element_sets)[kind],
-        card.parameters.get("INSTANCE"),
-    )
-    placed = None
-    if "GENERATE" in card.parameters and instance is not None:
-        placed = content.instances[instance.upper()][kind]
-    for row in card.rows if "GENERATE" in card.parameters else ():
-        first, last, step = ([whole(value) for value in row if value] + [1])[:3]
-        if not (first <= last and step > 0):
-            raise MeshFileError(f"ranges from a number to a larger one, got {', '.join(row)}")
-        numbers: Iterable[int] = range(first, last + 1, step)
-        content.count(len(range(first, last + 1, step)))
-        if placed is not None:
-            numbers = (placed[number] for number in numbers if number in placed)
-        content.extend(sets, name, numbers)
+    sets = (content.node_sets, content.element_sets)[kind]
+    instance = card.parameters.get("INSTANCE")
+    content.extend(sets, name, ())
     if "GENERATE" not in card.parameters:
         prefix = "" if instance is None else f"{instance}."
         for value in filter(None, chain.from_iterable(card.rows)):
             members = _named(f"{prefix}{value}", content, kind)
             content.extend(sets, name, members, listed=isinstance(members, list))
+        return
+    placed = None if instance is None else content.instances[instance.upper()][kind]
+    for row in card.rows:
+        first, last, step = ([whole(value) for value in row if value] + [1])[:3]
+        if not (first <= last and step > 0):
+            raise MeshFileError(f"ranges from a number to a larger one, got {', '.join(row)}")
+        run = range(first, last + 1, step)
+        content.count((last - first) // step + 1)
+        content.extend(
+            sets, name, run if placed is None else (placed[n] for n in run if n in placed)
+        )
 
 
 def _named(value: str, content: AbaqusMesh, kind: int) -> Collection[int]:

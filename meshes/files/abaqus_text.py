@@ -143,9 +143,8 @@ class _Lines:
             card = _card("".join(continued), f"line {number} of {path.name}")
             if card.keyword != "INCLUDE":
                 yield card
-            if card.keyword == "INCLUDE" or (
-                card.keyword in WITH_INPUT and "INPUT" in card.parameters
-            ):
+            reads = card.keyword in WITH_INPUT and "INPUT" in card.parameters
+            if reads or card.keyword == "INCLUDE":
                 above = (*before, path.resolve())
                 with card.located():
                     file = self._named(card, above)

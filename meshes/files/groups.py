@@ -33,22 +33,14 @@ CONSTANTS = {
 
 
 def constant(key: str, value: float, place: str = "") -> float:
-    """Return a constant of a material; `place` is that in the file, in brackets, for the message.
-
-    Raises:
-        MeshFileError: no solid has such a constant.
-    """
+    """Return a constant of a material if solids can have it; `place` ends the message."""
     if not (0.0 <= value < 0.5 if key == "poisson_ratio" else 0.0 < value < inf):
         raise MeshFileError(f"{CONSTANTS[key]}, got {value:g}{place}")
     return value
 
 
 def check_numbers(lines: Iterable[str]) -> None:
-    """Check that numbers, which other libraries read, consist of ASCII digits without low lines.
-
-    Raises:
-        MeshFileError: a line has other numbers, which Python would accept.
-    """
+    """Check that numbers, which other libraries read, have ASCII digits and no low lines."""
     for number, line in enumerate(lines, 1):
         for word in line.replace(",", " ").split() if "_" in line or not line.isascii() else ():
             foreign = "_" in word or not word.isascii()

@@ -67,8 +67,8 @@ def vtu_mesh(path: Path) -> meshio.Mesh:
 
 
 def _without_text(content: bytes) -> Iterator[bytes]:
-    """Yield the pieces of a file between arrays of text, which PyVista writes and meshio cannot
-    read. The time is proportional to the length, which no pattern for whole arrays achieves."""
+    """Yield the pieces between arrays of text, which PyVista writes and meshio cannot read. A
+    pattern for whole arrays would take quadratic time."""
     after = 0
     for tag in TAG.finditer(content):
         if tag.start() >= after and TEXT.search(tag[0]):

@@ -11,9 +11,9 @@ import logging
 import re
 import stat
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 import scipy.sparse as sp
@@ -95,16 +95,20 @@ def _digest(part: Superelement, settings: tuple[float, ...]) -> str:
     return found.hexdigest()[:32]
 
 
+def _own(folder: Path, digest: str = "") -> list[Path]:
+    """Return the files of a folder whose names are those that the program gives, old ones first."""
+    files = [one for one in folder.glob(f"{digest}*.npz") if NAMES.fullmatch(one.name)]
+    return sorted(files, key=lambda one: one.lstat().st_mtime)
+
+
 def _read(folder: Path, digest: str) -> Arrays | None:
     """Return the arrays of a file; None if there is none that is whole."""
-    for path in sorted(folder.glob(f"{digest}-*.npz")):
+    for path in _own(folder, f"{digest}-"):
         try:
-            _, size, checksum = path.stem.split("-")
-            state = path.lstat()
-            if not stat.S_ISREG(state.st_mode):  # a link, or a pipe, from which reading never ends
-                raise ValueError("it is not a regular file")
-            if str(state.st_size) != size:
-                raise ValueError(f"its size is {state.st_size} bytes")
+            state, (_, size, checksum) = path.lstat(), path.stem.split("-")
+            # Reading a pipe never ends; a large file of another origin is not read at all.
+            if not stat.S_ISREG(state.st_mode) or str(state.st_size) != size:
+                raise ValueError(f"expected a regular file of {size} bytes")
             with path.open("rb") as stream:
                 if hashlib.file_digest(stream, "sha256").hexdigest() != checksum:
                     raise ValueError("its contents have another checksum")
@@ -114,30 +118,20 @@ def _read(folder: Path, digest: str) -> Arrays | None:
             if str(arrays.pop("digest", "")) != digest:
                 raise ValueError("it belongs to another reduction")
             return arrays
-        except (OSError, ValueError, BadZipFile) as error:
+        except Exception as error:  # the reader raises exceptions of any type
             logger.warning("%s: damaged (%s): the reduction is computed again.", path, error)
-            _remove(path)
+            with suppress(OSError):
+                path.unlink()
     return None
 
 
 def _write(folder: Path, digest: str, arrays: Arrays) -> None:
-    stream = io.BytesIO()
     try:
-        np.savez(stream, allow_pickle=False, digest=np.array(digest), **arrays)
+        np.savez(stream := io.BytesIO(), allow_pickle=False, digest=np.array(digest), **arrays)
         content = stream.getvalue()
         checksum = hashlib.sha256(content).hexdigest()
         write_atomically(folder / f"{digest}-{len(content)}-{checksum}.npz", content)
-        own = [one for one in folder.iterdir() if NAMES.fullmatch(one.name)]
-        for old in sorted(own, key=lambda one: one.lstat().st_mtime)[:-MOST]:
-            _remove(old)
+        for old in _own(folder)[:-MOST]:
+            old.unlink()
     except (OSError, MemoryError) as error:
         logger.info("the reduction is not kept: %s", error)
-
-
-def _remove(path: Path) -> None:
-    """Remove a file of a folder if its name is one that the program gives."""
-    try:
-        if NAMES.fullmatch(path.name):
-            path.unlink()
-    except OSError as error:
-        logger.info("%s is not removed: %s", path, error)

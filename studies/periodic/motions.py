@@ -26,6 +26,9 @@ from bladewhirl.studies.periodic.figures import drawn, plot_periodic
 from bladewhirl.studies.periodic.origins import motion_of
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 
+MOST_PERIODS = 32
+"""Largest number of periods of the wall in a period of the motion; 1000 need 12 GiB."""
+
 HARMONICS = 32  #: number of harmonics in the Dataset, with the mean
 
 COLUMNS = (
@@ -180,8 +183,8 @@ def blade_of(
     Raises:
         UserError: the method does not apply.
     """
-    if periods < 1:
-        raise UserError(f"periodic: periods {periods}: expected at least 1")
+    if not 1 <= periods <= MOST_PERIODS:
+        raise UserError(f"periodic: periods {periods}: expected from 1 to {MOST_PERIODS}")
     try:
         problem = nodes_of(stage, blade).contact_problem()
         structure = Blade.of_problem(problem, blade, others)

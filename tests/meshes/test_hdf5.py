@@ -50,10 +50,10 @@ FAULTS = [
     (linked, "more/link is in another file"),
     (stored_elsewhere, "outside is in another file"),
     (virtual, "virtual is in another file"),
-    (large, "it declares 8e"),
-    (large_chunk, "it declares 3"),
+    (large, "8e\\+12 bytes of data"),
+    (large_chunk, "3.2e\\+09 bytes of data"),
     (of_any_length, "ragged has neither numbers nor text"),
-    (attribute_of_any_length, "a units has neither numbers nor text"),
+    (attribute_of_any_length, "a has neither numbers nor text"),
 ]
 
 

@@ -4,6 +4,7 @@ Frequencies are those of the mesh from which the files were written.
 """
 
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import mapdl_archive
@@ -16,6 +17,7 @@ from written_decks import GROUPS, WRITERS, ansys, nastran, rounded
 import bladewhirl as bw
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
+from bladewhirl.meshes.files.vtu import _without_text
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 
@@ -332,3 +334,26 @@ def test_damaged_decks_end_in_one_line(tmp_path: Path, suffix: str, content: byt
     file.write_bytes(content)
     with pytest.raises(MeshFileError):
         read_volume_mesh(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.vtu", "<VTKFile>" + "<DataArray " * 100_000),
+        ("a.vtu", "<VTKFile>" + '<DataArray type="String">' * 100_000),
+        ("a.bdf", "\n" * 100_000),
+        ("a.inp", "*NODE,\n" + "a,\n" * 100_000 + "b\n"),
+    ],
+)
+def test_the_time_for_repeated_text_is_proportional(tmp_path: Path, name: str, text: str) -> None:
+    (tmp_path / name).write_text(text)
+    start = process_time()
+    with pytest.raises(MeshFileError):
+        read_volume_mesh(tmp_path / name)
+    assert process_time() - start < 3.0
+
+
+def test_text_of_vtk_is_left_out() -> None:
+    kept = b"<PointData><DataArray type='Float64'>1</DataArray>"
+    text = b"<Array type='String' /><DataArray name='a' type=\"String\">b</DataArray>"
+    assert b"".join(_without_text(kept + text + kept + text)) == kept + kept

@@ -103,6 +103,13 @@ def test_refusals_are_one_sentence(tmp_path: Path, changes: Any, message: str) -
     assert message in refusal("periodic", file, "--blade", number)
 
 
+def test_a_number_of_periods_that_needs_gigabytes_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(bw.dumps_case(case()))
+    expected = "periodic: periods 1000: expected from 1 to 32"
+    assert expected in refusal("periodic", file, "--periods", 1000)
+
+
 @pytest.mark.slow
 def test_a_motion_of_two_periods_needs_a_start(tmp_path: Path) -> None:
     """From the motion without contact the search comes to the motion of one period."""
