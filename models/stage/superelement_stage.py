@@ -93,7 +93,6 @@ class SuperelementStage:
     ring: Ring | None  #: flexible casing; None: a rigid wall
     reduced_at: Callable[[float], ReducedSuperelement]
     """Function that returns the reduction at another speed [rad/s]."""
-    tip_thickness: float | None = None  #: see `coating.tip_thickness`
     frequency_at_rest: float | None = None
     """Reference frequency of the structure at rest [rad/s], if `part` has effects of rotation."""
 
@@ -340,9 +339,9 @@ class SuperelementStage:
     @cached_property
     def coating(self) -> NodeCoating | None:
         """The coating of the wall; None if there is none."""
-        return node_coating(
-            self.case, self.part, self.blade, self.casing_radius, self.tip_thickness
-        )
+        table = self.table
+        thickness = tip_thickness(table.part, table.copies if table.kind == "wheel" else 1)
+        return node_coating(self.case, self.part, self.blade, self.casing_radius, thickness)
 
     @cached_property
     def arrays(self) -> StageArrays:
@@ -451,7 +450,6 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     part, at_rest, omega = structure_of(case), None, 0.0
     factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     shown = np.arange(part.point_count)
-    thickness = tip_thickness(part, table.copies if table.kind == "wheel" else 1)
     if table.kind == "sector":
         fields = case.reduction.free_interface_modes
         if case.rotation.effects != "none":  # those of three speeds
@@ -502,7 +500,6 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         blade=np.arange(part.contacts) // per_blade,
         reduced_at=lambda speed: reduced_at(speed)[2],
         ring=flexible_ring(case) if ring is None and case.casing.type == "ring" else ring,
-        tip_thickness=thickness,
         frequency_at_rest=at_rest,
     )
     hertz = stage.reference_frequency / (2.0 * np.pi)

@@ -23,6 +23,7 @@ from bladewhirl.models.superelements.reduction import (
     RIGID_SECTOR,
     STIFF,
     ReducedSuperelement,
+    change_by_speed,
     lowest_modes,
     modes_and_static,
 )
@@ -87,10 +88,7 @@ class NodalBlock:
 
     def change(self, omega: float) -> ComplexArray:
         """Return the change of the stiffness at a speed [rad/s], (m, m)."""
-        change = omega**2 * self.stiffness_speed
-        if self.stiffness_speed4 is not None:
-            change = change + omega**4 * self.stiffness_speed4
-        return np.asarray(change)
+        return np.asarray(change_by_speed(self, omega))
 
     @property
     def size(self) -> int:

@@ -127,17 +127,19 @@ class ReducedSuperelement:
     def change(self, omega: float) -> FloatArray:
         """Return the change of the stiffness by rotation at a speed [rad/s] [1/s2], (modes,
         modes), of a structure that has `stiffness_speed`."""
-        assert self.stiffness_speed is not None
-        change = omega**2 * self.stiffness_speed
-        if self.stiffness_speed4 is not None:
-            change = change + omega**4 * self.stiffness_speed4
-        return change
+        return np.asarray(change_by_speed(self, omega))
 
     @cached_property
     def points(self) -> FloatArray:
         """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p,
         modes)."""
         return self.of_points()
+
+
+def change_by_speed(structure: Any, omega: float) -> Any:
+    """Return the change of the stiffness at a speed [rad/s] by the second and the fourth power."""
+    change, fourth = omega**2 * structure.stiffness_speed, structure.stiffness_speed4
+    return change if fourth is None else change + omega**4 * fourth
 
 
 def massless(

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import (
     attribute_fault,
@@ -24,6 +24,7 @@ from bladewhirl.postprocess.fields.netcdf import (
 from bladewhirl.solvers.march import schema
 
 PORTION = 4096  #: records read at a time: 5 MB for 156 modes
+OLDEST_FORMAT = 10  #: of results that are read; older ones name contact nodes otherwise
 BLOCK = 256  #: records multiplied at a time, which remain in the cache
 ATTRIBUTES = (
     *("title", "speed", "reference_frequency", "casing_radius", "tip_radius"),
@@ -47,10 +48,9 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     """
     dataset, file = open_file(path, schema.RESULT_NAME, "a result")
     try:
-        current = with_contact_nodes(dataset)
-        if fault := result_fault(current):
+        if fault := result_fault(dataset):
             raise ResultError(f"{file}: expected {fault}")
-        complete = with_coordinates(current)
+        complete = with_coordinates(dataset)
     except ResultError:
         dataset.close()
         raise
@@ -58,70 +58,16 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     return complete
 
 
-def with_contact_nodes(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result with the dimensions of the schema: before format 10 contact nodes were named
-    "blade", the clearance was given at the casing's nodes, and a coating had a single track."""
-    if "blade" not in dataset.dims:
-        return dataset
-    named = dataset.drop_vars("blade", errors="ignore").rename_dims(blade="contact_node")
-    clearance, strain = named.get("clearance"), named.get("coating_strain")
-    if clearance is not None and clearance.dims == ("casing_node",) and "casing_angle" in named:
-        angle = named["casing_angle"].variable.copy(deep=False)
-        for name, array in (
-            ("clearance", clearance.variable.copy(deep=False)),
-            ("wall_angle", angle),
-        ):
-            array.dims = ("wall_angle",)
-            named = named.drop_vars(name, errors="ignore").assign({name: array})
-    if strain is not None and strain.ndim == 2:
-        named["coating_strain"] = strain.expand_dims("track", axis=1)
-    return named
-
-
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result of any format with all coordinates of the schema.
-
-    Variables that older formats lack are added: changes of the sections along beams, which are zero
-    (format 1); static growth, which is zero, and `tip_recess` at rest (before format 4);
-    frequencies of waves, equal to the frequencies of the modes (before format 5); the work of
-    closing, which is nan (before format 6); numbers and positions of contact nodes, and the shape
-    of the centre (before format 10).
-    """
-    table, added = schema.STAGE, dict[str, Any]()
-    if "rotor_line" in dataset:
-        like = {"rotor_line": "rotor_thickness", "contact_node": "tip_angle"}
-        added = {
-            name: xr.zeros_like(dataset[like[variable.dimensions[0]]])
-            for name, variable in table.items()
-            if (name.endswith("_change") or variable.since == 4) and name not in dataset
-        }
-        if "tip_recess" in added:
-            added["tip_recess"] += recess_at_rest(dataset)
-        for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
-            if name not in dataset:
-                added[name] = dataset["rotor_frequency"]
-        if "blade" not in dataset:
-            tips = dataset["rotor_point"].values[dataset["tip_node"].values]
-            still, centre = np.zeros(len(tips)), int(dataset["centre_node"])
-            added |= {
-                "blade": ("contact_node", np.arange(len(tips))),
-                "node": ("contact_node", np.zeros(len(tips), dtype=np.int64)),
-                "contact_radius": ("contact_node", np.linalg.norm(tips, axis=1)),
-                "axial_position": ("contact_node", still),
-                "centre_shape": (("axis", "rotor_mode"), dataset["rotor_shape"].values[centre, :2]),
-            }
-        if "closing_work" not in dataset and "normal_work" in dataset:
-            added["closing_work"] = xr.full_like(dataset["normal_work"], np.nan)
-    complete = dataset.assign(added) if added else dataset
-    for name in added:
-        complete[name].attrs.update({**schema.HISTORY, **table}[name].attributes)
+    """Return a result with all coordinates of the schema."""
+    table = schema.STAGE
     indices = {
-        name: (name, schema.index_values(name, complete.sizes[name]), variable.attributes)
+        name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
         for name, variable in schema.NAMES.items()
-        if name in complete.dims and name not in complete.coords
+        if name in dataset.dims and name not in dataset.coords
     }
-    described = [name for name in complete if name in table and table[str(name)].is_coordinate]
-    complete = complete.assign_coords(indices).set_coords(described)
+    described = [name for name in dataset if name in table and table[str(name)].is_coordinate]
+    complete = dataset.assign_coords(indices).set_coords(described)
     return complete if "blade" in complete.xindexes else complete.set_xindex("blade")
 
 
@@ -138,7 +84,7 @@ def result_of(
     values = {**stage.stored, **histories}
     dataset = xr.Dataset(
         {name: _entry(schema.RESULT[name], each) for name, each in values.items()},
-        attrs=dict(attributes),
+        attrs={"format": schema.RESULT_FORMAT, **attributes},
     )
     return with_coordinates(dataset.set_coords(schema.TIME))
 
@@ -185,11 +131,9 @@ def result_fault(dataset: xr.Dataset) -> str:
             "a result of format 15 or newer of 3D blades whose speed varies, found format"
             f" {made_by}; run the case again"
         )
-    if made_by < 10 and "modal_displacement" in dataset:
-        return (
-            "a result of a superelement of format 10 or newer, found format"
-            f" {made_by}; run the case again"
-        )
+    if made_by < OLDEST_FORMAT and schema.TIME in dataset:
+        needed = f"a result of format {OLDEST_FORMAT} or newer"
+        return f"{needed}, found format {made_by}; run the case again"
     parts = schema.parts_of(map(str, dataset.variables))
     for key, variable in {**schema.HISTORY, **schema.STAGE}.items():
         optional = schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions)

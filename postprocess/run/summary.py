@@ -21,7 +21,7 @@ from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
-from bladewhirl.postprocess.run.wear import wear_summary, worn_volume
+from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.crossings import crossings
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
@@ -185,6 +185,7 @@ def summarise(
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
     tips, grouped = _largest_tip_displacement(dataset), "suspension" in energies
     impulse, time = dataset["contact_impulse"].values, dataset["time"].values
+    wear = wear_summary(dataset)
     contact_steps = dataset["contact_steps"].sum("time").values
     return Summary(
         regime=regime.name,
@@ -221,10 +222,10 @@ def summarise(
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
         record_step=float(dataset.attrs["record_step"]),
         energy_residual=energy_residual(dataset),
-        wear=wear_summary(dataset),
+        wear=wear,
         unsolved_time=dataset.attrs.get("unsolved_time"),
         unsolved_impulse_share=_unsolved(dataset, "impulse", float(impulse.sum())),
-        unsolved_wear_share=_unsolved(dataset, "wear", worn_volume(dataset)),
+        unsolved_wear_share=_unsolved(dataset, "wear", wear.get("wear_volume", 0.0)),
         **report,
     )
 

@@ -170,11 +170,6 @@ def wear_summary(result: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def worn_volume(result: xr.Dataset) -> float:
-    """Return the worn volume at the end [m3]; zero without a coating."""
-    return float(result["wear_volume"][-1]) if "wear_volume" in result else 0.0
-
-
 def lobes_text(wear: Mapping[str, Any]) -> str:
     """Return the lobes in the key figures of the wear as text."""
     shape = wear["shape_share"]

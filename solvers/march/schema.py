@@ -16,11 +16,9 @@ RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
 RESULT_FORMAT = 15
-"""Current format of result.nc. Files of formats 1 and 2 contain no format number. A file of an
-older format lacks variables with a higher number in the column "since", most of which are added
-when such a file is opened. Before format 10 contact nodes were named "blade" along their dimension,
-and results of superelements had tables of their own; the latter cannot be read. Before format 15
-the motion of 3D blades at a varying speed lacked a load, and such results cannot be read."""
+"""Current format of result.nc. A file of an older format lacks variables with a higher number in
+the column "since". Results before format 10, and before format 15 of 3D blades at a varying speed,
+whose motion lacked a load, are refused."""
 
 SWEEP_FORMAT = 8
 """Current format of sweep.nc. A file of an older format lacks variables with a higher number in the

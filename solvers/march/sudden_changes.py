@@ -7,6 +7,7 @@ the loads, or, of a rotor whose speed is free, negative work on the rotation.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,14 @@ from bladewhirl.models.stage.contact_problem import (
 from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import lib
 from bladewhirl.solvers.march.central_difference import CentralDifference
-from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState, Statistics, joined
+from bladewhirl.solvers.march.march import (
+    Chunk,
+    EndReason,
+    KernelState,
+    Scheme,
+    Statistics,
+    joined,
+)
 from bladewhirl.solvers.packing.nodes import DIRECTIONS
 
 TRIALS = 4
@@ -250,3 +258,18 @@ def _energy(chunk: Chunk) -> float:
     """Return the energy of the first record of a chunk [J]."""
     turning = chunk.rotor_energy[0] if chunk.rotor_energy.size else 0.0
     return float(chunk.energy[0] + turning)
+
+
+def make_scheme(problem: ContactProblem, time_step: float, record_every: int) -> Scheme[Any]:
+    """Return the time integration scheme for a contact problem.
+
+    Args:
+        problem: contact problem.
+        time_step: time step [s].
+        record_every: number of steps between records.
+
+    Raises:
+        ValueError: the time step is too long.
+    """
+    changes = problem.loss is not None or problem.fuse is not None
+    return (SuddenChanges if changes else CentralDifference)(problem, time_step, record_every)

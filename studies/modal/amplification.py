@@ -109,7 +109,12 @@ def amplification(
     equal = response(stage, speeds=speeds)
     rows = [peaks[0] for peaks in peak_rows(equal).values()]
     for row in rows:
-        _check_inside(row)
+        if row["place"].startswith("end"):
+            raise UserError(
+                "response: draws: expected speeds about a resonance: the largest amplitude of"
+                f" engine order {row['order']} without mistuning, {row['rpm']:.0f} rpm, is no peak"
+                f" but at the {row['place']}"
+            )
     found = []
     for number, row in enumerate(rows):
         tuned = stage.tuned_rotor(loads, row["speed"] * reference)
@@ -122,7 +127,7 @@ def amplification(
     amplitude, blade, omega = (
         np.array(values).reshape(len(rows), draws) for values in zip(*found, strict=True)
     )
-    _check_all_inside(rows, omega, equal["speed"].values * reference)
+    _check_inside(rows, omega, equal["speed"].values * reference)
     tuned_amplitude = np.array([row["amplitude"] for row in rows])
     both, blades = ("order", "draw"), factors.shape[1]
     return xr.Dataset(
@@ -146,21 +151,8 @@ def amplification(
     )
 
 
-def _check_inside(row: dict[str, Any]) -> None:
-    """Raise an error if the largest tuned amplitude is at the end of the speeds."""
-    if not row["place"].startswith("end"):
-        return
-    beyond = row.get("resonance_rpm")
-    where = "a resonance" if beyond is None else f"its resonance at {beyond:.0f} rpm"
-    raise UserError(
-        f"response: draws: expected speeds about {where}: the largest amplitude of engine order"
-        f" {row['order']} without mistuning is at the end of the speeds, {row['rpm']:.0f} rpm, and"
-        " no peak"
-    )
-
-
-def _check_all_inside(rows: list[dict[str, Any]], omega: FloatArray, speeds: FloatArray) -> None:
-    """Raise an error if largest amplitudes of patterns are at an end of the speeds."""
+def _check_inside(rows: list[dict[str, Any]], omega: FloatArray, speeds: FloatArray) -> None:
+    """Check that no largest amplitude of the patterns of each order is at an end of the speeds."""
     for row, found in zip(rows, omega, strict=True):
         for end in speeds[[0, -1]]:
             if count := int((np.abs(found - end) <= 1e-12 * abs(end)).sum()):

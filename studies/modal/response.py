@@ -1,6 +1,7 @@
 """Steady response of the bladed disk to engine-order forces, without contact: Dataset, rows."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +13,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.stage.forced import Resonances, orders_of
+from bladewhirl.models.stage.forced import ForcedRotor, Resonances, orders_of
 from bladewhirl.models.stage.marched import Marchable, marched_stage
 from bladewhirl.postprocess.modal.response import (
     amplitude,
@@ -101,13 +102,12 @@ def response(
         if progress is not None:
             progress(done, len(multiples))
 
-    def motion(order: int, omega: float) -> dict[str, ComplexArray]:
+    def at(omega: float) -> ForcedRotor:
         (disk,) = stage.forced(loads, [omega])
-        return disk.motion(order, omega)
+        return disk
 
-    def resonances(order: int, omega: float) -> Resonances:
-        (disk,) = stage.forced(loads, [omega])
-        return disk.resonances(order, omega)
+    def height(order: int, omega: float) -> float:
+        return _height(at(omega).motion(order, omega))
 
     def beyond(order: int, heights: Sequence[float]) -> float:
         """Return the speed of the resonance beyond the end with the largest of some amplitudes."""
@@ -115,13 +115,13 @@ def response(
         if not order or not last or most not in (0, last):
             return float("nan")
         outward = float(np.sign(omegas[most] - omegas[last - most]))
-        return resonance_beyond(lambda w: resonances(order, w), order, omegas[most], outward)
+        return resonance_beyond(lambda w: at(w).resonances(order, w), order, omegas[most], outward)
 
     peaks = [
-        (order, omega, motion(order, omega))
+        (order, omega, at(omega).motion(order, omega))
         for order in orders
         if order and all(later > before for before, later in pairwise(omegas))
-        for omega in peak_speeds(lambda w, r=order: _height(motion(r, w)), omegas, near[order])  # type: ignore[misc]
+        for omega in peak_speeds(partial(height, order), omegas, near[order])
     ]
     further = [
         beyond(order, [_height(row[n]) for row in answers]) for n, order in enumerate(orders)
@@ -146,7 +146,7 @@ def response(
         )
         for name in ("tip_tangential", "tip_radial")
     }
-    at = np.array([omega for _, omega, _ in peaks])
+    peak_at = np.array([omega for _, omega, _ in peaks])
     data = xr.Dataset(
         variables
         | at_peaks
@@ -164,8 +164,8 @@ def response(
             "rpm": quantity("speed", rpm, "rpm", "speed"),
             "blade": ("blade", np.arange(blades)),
             "peak_order": ("peak", np.array([order for order, _, _ in peaks], dtype=np.int64)),
-            "peak_speed": quantity("peak", at / reference, "1", "normalised speed of a peak"),
-            "peak_rpm": quantity("peak", at * 30.0 / np.pi, "rpm", "speed of a peak"),
+            "peak_speed": quantity("peak", peak_at / reference, "1", "normalised speed of a peak"),
+            "peak_rpm": quantity("peak", peak_at * 30.0 / np.pi, "rpm", "speed of a peak"),
             **({"axis": ("axis", ["x", "y"])} if "centre" in variables else {}),
         },
         attrs={

@@ -15,7 +15,7 @@ from bladewhirl.models.stage.mass_scaling import screening_problem
 from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.sudden_changes import make_scheme
 
 Change = Callable[[ContactProblem, Timing], tuple[ContactProblem, Timing]]
 """Function that changes a contact problem and its timing."""

@@ -20,7 +20,7 @@ from bladewhirl.models.stage.contact_problem import (
 )
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.sudden_changes import make_scheme
 
 FAR = 1e3  #: displacement limit that is never reached [m]
 

@@ -13,6 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from bladewhirl.solvers.march.schema import RESULT_FORMAT
+
 Array = NDArray[np.float64]
 
 TIP_RADIUS = 0.25
@@ -209,6 +211,7 @@ def synthetic_result(
             "casing_radius": radius,
             "tip_radius": TIP_RADIUS,
             "friction": friction,
+            "format": RESULT_FORMAT,
             "time_step": 1e-6,
             "record_step": RECORD_STEP,
             "clamped": 0,

@@ -16,7 +16,7 @@ from bladewhirl.models.stage.mass_scaling import (
     screening_problem,
     with_scaled_casing,
 )
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.sudden_changes import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 
 

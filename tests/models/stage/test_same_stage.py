@@ -14,7 +14,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.sudden_changes import make_scheme
 
 COMMON: dict[str, Any] = {
     "casing": {"elements": 12, "support": 8e6, "clearance": 5e-4},

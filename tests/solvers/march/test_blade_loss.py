@@ -21,8 +21,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk, KernelState
-from bladewhirl.solvers.march.scheme import make_scheme
-from bladewhirl.solvers.march.sudden_changes import Phase, SuddenChanges
+from bladewhirl.solvers.march.sudden_changes import Phase, SuddenChanges, make_scheme
 from bladewhirl.studies.verification.bodies import ledger_residual
 
 ALL_MODES = {

@@ -14,8 +14,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.scheme import make_scheme
-from bladewhirl.solvers.march.sudden_changes import ChangingState
+from bladewhirl.solvers.march.sudden_changes import ChangingState, make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.verification.bodies import ledger_residual

@@ -15,8 +15,7 @@ from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk, KernelState
-from bladewhirl.solvers.march.scheme import make_scheme
-from bladewhirl.solvers.march.sudden_changes import SuddenChanges
+from bladewhirl.solvers.march.sudden_changes import SuddenChanges, make_scheme
 from bladewhirl.studies.runs.prepare import prepare, problem_of
 from bladewhirl.studies.verification.bodies import ledger_residual
 

@@ -12,7 +12,7 @@ from symmetric_cases import write_parts
 import bladewhirl as bw
 from bladewhirl.models.stage.build import with_contact_nodes
 from bladewhirl.models.stage.contact_problem import Load
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.sudden_changes import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
