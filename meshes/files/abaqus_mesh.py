@@ -79,7 +79,11 @@ class AbaqusMesh:
                 own.setdefault(member, listed)
 
     def check_sets(self) -> None:
-        """Check that members that are listed by their numbers exist; ranges may have gaps."""
+        """Check that members that are listed by their numbers exist, ranges may have gaps, and
+        reference nodes."""
+        for keyword, reference, _ in self.couplings:
+            if lost := [n for n in reference if n not in self.points]:
+                raise MeshFileError(f"a reference node that is defined; {keyword} has {lost[0]}")
         nodes, elements = self.node_sets.items(), self.element_sets.items()
         for kind, known, sets in (
             ("node", self.points, nodes),

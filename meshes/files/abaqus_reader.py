@@ -196,6 +196,8 @@ def _read_property(card: Card, content: AbaqusMesh) -> None:
         content.unread[content.material] = f"*ELASTIC, TYPE={kind}"
         return
     names = ("density",) if card.keyword == "DENSITY" else ("young_modulus", "poisson_ratio")
+    if names[0] in content.materials[content.material]:
+        raise MeshFileError(f"one *{card.keyword} of each material; {content.material} has two")
     for name, value in zip(names, values, strict=False):
         content.materials[content.material][name] = constant(name, value)
     if len(card.rows) > 1:

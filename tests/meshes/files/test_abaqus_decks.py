@@ -216,6 +216,12 @@ def test_assemblies_that_are_not_whole_are_refused(
         (MATERIAL.replace("0.3", "0.5"), "a Poisson's ratio from 0 to less than 0.5, got 0.5"),
         (MATERIAL.replace("7800", "0"), r"a positive density, got 0 \(\*DENSITY, line 4"),
         (MATERIAL.replace("7800", "nan"), "a positive density, got nan"),
+        (
+            MATERIAL + "*ELASTIC\n1e11, 0.3\n",
+            r"one \*ELASTIC of each material; .* \(\*ELASTIC, line",
+        ),
+        (MATERIAL + "*DENSITY\n7900\n", r"one \*DENSITY of each material"),
+        (TEXT + "*RIGID BODY, NSET=root, REF NODE=998\n", "a reference node .*; .*BODY has 998"),
         (assembly("*INSTANCE, NAME=c, PART=NOWHERE\n*END INSTANCE"), "a \\*PART, NAME=NOWHERE"),
         (assembly("*INSTANCE, NAME=c, PART=blade"), "\\*END INSTANCE after .*, line"),
     ],
