@@ -117,6 +117,7 @@ def tip_thickness(part: Superelement, blades: int) -> float | None:
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     middle = corners.mean(axis=1)
     radius = np.hypot(middle[:, 0], middle[:, 1])
+    area *= np.sign((area * middle).sum())  # outwards, in whatever order the corners are
     outward = (area * middle)[:, :2].sum(axis=1) / radius
     faces = outward > FACING * np.linalg.norm(area, axis=1)
     faces &= radius > part.contact_radius.min() - NEAR * extent

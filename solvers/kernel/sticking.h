@@ -14,7 +14,8 @@
 
 #include "pieces.h"
 
-enum { MOST_SWEEPS = 2000 }; /* sweeps over all nodes */
+enum { MOST_SWEEPS = 2000 }; /* sweeps over all nodes with the same share of the change */
+enum { SHARES = 4 };         /* shares 1, 1/2, 1/4 and so on, where forces alternate */
 enum { ANGLES = 64 };        /* directions that are tried in a circle */
 enum { HALVINGS = 60 };      /* of an interval, to rounding */
 
@@ -155,9 +156,10 @@ static double sweep_nodes(const March *m, int64_t size)
     NodeScratch *s = &m->scratch->nodes;
     int64_t width = s->compliance.columns;
     double *place = m->scratch->pieces.place.at;
-    double change = INFINITY, largest = 1.0;
-    for (int sweep = 0; sweep < MOST_SWEEPS && change > SAME_DIRECTION * largest; sweep++) {
+    double change = INFINITY, largest = 1.0, share = 1.0;
+    for (int n = 0; n < SHARES * MOST_SWEEPS && change > SAME_DIRECTION * share * largest; n++) {
         change = largest = 0.0;
+        share = 1.0 / (1 << n / MOST_SWEEPS);
         for (int64_t i = 0; i < size; i++) {
             double *force = s->group_force.at + DIRECTIONS * i, *d = s->direction.at + 2 * i;
             double angle = atan2(d[1], d[0]), last[DIRECTIONS];
@@ -175,12 +177,12 @@ static double sweep_nodes(const March *m, int64_t size)
             d[0] = cos(angle);
             d[1] = sin(angle);
             place[i] = a.place;
-            s->multiplier.at[i] = -a.force[RADIAL];
             for (int k = 0; k < DIRECTIONS; k++) {
-                force[k] = a.force[k];
+                force[k] = last[k] + share * (a.force[k] - last[k]);
                 change = larger(change, fabs(force[k] - last[k]));
                 largest = larger(largest, fabs(force[k]));
             }
+            s->multiplier.at[i] = -force[RADIAL];
         }
     }
     return largest > 0.0 ? change / largest : 0.0;

@@ -1,5 +1,6 @@
 """Worn volume, impulse and dissipated energy do not depend on how a tip is divided."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +69,9 @@ def test_tracks_are_as_wide_and_footprints_as_long_as_the_tip(parts: Path) -> No
         assert coating.footprint == pytest.approx(np.full(contacts, 0.01), rel=1e-3)
     part = bw.read_superelement(parts / "3.npz")
     assert tip_thickness(part, 1) == pytest.approx(0.01, rel=1e-3)
+    assert part.triangles is not None
+    inward = replace(part, triangles=part.triangles[:, ::-1])
+    assert tip_thickness(inward, 1) == tip_thickness(part, 1)
 
 
 @pytest.mark.parametrize("copies", [2, 7])
