@@ -115,7 +115,13 @@ def response(
         if not order or not last or most not in (0, last):
             return float("nan")
         outward = float(np.sign(omegas[most] - omegas[last - most]))
-        return resonance_beyond(lambda w: at(w).resonances(order, w), order, omegas[most], outward)
+        return resonance_beyond(
+            partial(height, order),
+            lambda w: at(w).resonances(order, w),
+            order,
+            omegas[most],
+            outward,
+        )
 
     peaks = [
         (order, omega, at(omega).motion(order, omega))

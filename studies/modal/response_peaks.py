@@ -56,34 +56,43 @@ def peak_speeds(
 
 
 def resonance_beyond(
-    resonances: Callable[[float], Resonances], order: int, end: float, outward: float
+    amplitude: Callable[[float], float],
+    resonances: Callable[[float], Resonances],
+    order: int,
+    end: float,
+    outward: float,
 ) -> float:
-    """Return the speed of the nearest strong resonance beyond an end of a range [rad/s]; NaN
-    without one.
+    """Return the speed of the nearest peak of a strong resonance beyond an end of a range [rad/s];
+    NaN without one.
 
     Args:
+        amplitude: function that returns the amplitude at a speed.
         resonances: function that returns the resonances near a speed.
         order: engine order.
         end: the end [rad/s].
         outward: 1 for resonances at higher speeds, -1 for those at lower ones.
     """
-    near, square = resonances(end), end**2
-    met = square + near.value / float(order) ** 2  # if the stiffness did not depend on the speed
+    near, square = resonances(end), float(order) ** 2
+    away = outward * near.value / square  # of the squares, if the stiffness did not change
     reached = near.drive / np.maximum(near.loss, np.finfo(float).tiny)
-    strong = (outward * (met - square) > 0.0) & (met > 0.0)
+    strong = (away > -near.loss / square) & (end**2 + outward * away > 0.0)
     strong &= reached > WEAK * reached.max(initial=0.0)
-    if not strong.any():
-        return float("nan")
-    place = np.unravel_index(np.where(strong, np.abs(met - square), np.inf).argmin(), met.shape)
-    square = float(met[place])
-    for _ in range(CORRECTIONS):
+    order_of = np.argsort(np.where(strong, np.abs(away), np.inf), axis=None)
+    for place in zip(*np.unravel_index(order_of[: strong.sum()], away.shape), strict=True):
+        speed = end
         try:
-            square += float(resonances(float(np.sqrt(square))).value[place]) / float(order) ** 2
+            for _ in range(1 + CORRECTIONS):
+                further = speed**2 + resonances(speed).value[place] / square
+                speed = float(np.sqrt(max(further, 0.0)))
+            if not speed > 0.0:
+                continue
+            width = float(near.loss[place]) / (square * speed)
+            speed = _peak(amplitude, speed, width, (0.0, np.inf)) or speed
         except CaseError:  # the stage does not exist at this speed
-            return float("nan")
-        if not square > 0.0:
-            return float("nan")
-    return float(np.sqrt(square))
+            continue
+        if outward * (speed - end) > 0.0:
+            return speed
+    return float("nan")
 
 
 def _crossings(

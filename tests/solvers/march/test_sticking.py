@@ -28,7 +28,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("layer", [None, 1e10])
+@pytest.mark.parametrize("layer", [None, 4e10])
 def test_friction_holds_nodes_or_opposes_their_slip(parts: Path, layer: float | None) -> None:
     casing: dict[str, Any] = {"type": "rigid", "clearance": 1e-4}
     casing |= {"clearance_lobes": [{"lobes": 2, "amplitude": 9e-5}]}

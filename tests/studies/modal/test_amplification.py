@@ -37,6 +37,24 @@ def spread(seed: int = 4) -> dict[str, Any]:
 DAMPED = {"stiffness": 2e7, "damping": 2e4}
 
 
+def test_a_damped_resonance_is_named_by_its_peak() -> None:
+    """Also if its natural frequency, 4357 rpm, is inside the range."""
+    shaft = {"clamped": False, "stiffness": 2e7, "damping": 2e4}
+    disk = {"blades": 8, "elements_per_blade": 2, "tip_radius": 0.4, "disk_radius": 0.07}
+    case = bw.case_from(
+        {
+            "bladed_disk": disk,
+            "shaft": shaft,
+            "damping": {"ratio": 4e-3},
+            "excitation": {"type": "engine-order", "order": 1, "amplitude": 10.0},
+        }
+    )
+    (peak,) = bw.response(case, speeds=["4000 rpm", "5000 rpm"])["peak_rpm"].values
+    for low, high in ((3544, 4400), (4440, 5000)):
+        end = bw.response(case, speeds=[f"{n} rpm" for n in np.linspace(low, high, 9)])
+        assert end["resonance_beyond"].values == pytest.approx(peak, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("effects", "shaft"),
     [
