@@ -1,12 +1,13 @@
 /* Contact forces of nodes that are solved together, the group, with or without an abradable coating,
  * for massless nodes and for nodes with mass; the equations are in `nodes.h` and `rods.h`. Arrays of
- * the group have DIRECTIONS entries for each node if they are vectors. */
+ * the group have DIRECTIONS entries for each node if they are vectors. Nodes that stick: `sticking.h`.
+ */
 #ifndef GROUP_H
 #define GROUP_H
 
 #include <stddef.h>
 
-#include "sticking.h"
+#include "pieces.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
@@ -98,6 +99,19 @@ static void set_forces(const March *m, int64_t size)
     }
 }
 
+/* Compute the slip of a node in the step for the forces of the group. */
+static void slip_of(const March *m, int64_t i, int64_t size, double slip[2])
+{
+    const NodeScratch *s = &m->scratch->nodes;
+    for (int k = 0; k < 2; k++) {
+        int64_t component = DIRECTIONS * i + TANGENTIAL + k;
+        slip[k] = s->slide.at[component]
+                  + dot(s->compliance.at + component * s->compliance.columns, s->group_force.at,
+                        DIRECTIONS * size);
+    }
+    slip[0] += m->rotation.speed * s->radius.at[i] * m->stage.numbers->time_step;
+}
+
 /* Move the directions of sliding of nodes in contact towards those of the slip velocities, by a
  * share of the difference. Friction against a velocity lowers this velocity, so that whole
  * differences may overshoot; the share is that of Aitken's method for vectors. Returns the largest
@@ -109,10 +123,10 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
     for (int64_t i = 0; i < size; i++) {
         double slip[2], *d = s->direction.at + 2 * i;
         double miss[2] = {0.0, 0.0};
-        if (s->multiplier.at[i] > 0.0) {
+        if (s->multiplier.at[i] > 0.0 && !s->stuck.at[i]) {
             slip_of(m, i, size, slip);
             double length = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
-            for (int k = 0; k < 2 && length > 0.0; k++) /* 0: the node sticks to the wall */
+            for (int k = 0; k < 2 && length > 0.0; k++) /* 0: no direction */
                 miss[k] = slip[k] / length - d[k];
         }
         for (int k = 0; k < 2; k++) {
@@ -129,7 +143,7 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
         double *d = s->direction.at + 2 * i;
         double x = d[0] + *share * last[2 * i], y = d[1] + *share * last[2 * i + 1];
         double length = sqrt(x * x + y * y);
-        if (s->multiplier.at[i] > 0.0 && length > 0.0) {
+        if (s->multiplier.at[i] > 0.0 && !s->stuck.at[i] && length > 0.0) {
             d[0] = x / length;
             d[1] = y / length;
         }
@@ -137,53 +151,28 @@ static double turn_directions(const March *m, int64_t size, double *share, int r
     return most;
 }
 
-/* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
-static void contact_forces(const March *m, int64_t size)
+/* Compute the forces of a group whose nodes slide, but for those of `stuck`. Returns the largest change
+ * of a direction of sliding in the last iteration, INFINITY without normal forces. */
+static double slide_group(const March *m, int64_t size)
 {
     NodeScratch *s = &m->scratch->nodes;
     double *place = m->scratch->pieces.place.at;
     int coated = m->stage.node_coating != NULL, solved = 1;
     int turns = m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0;
-    double *gap = s->gap.at;
-    double largest = 0.0, wrong = 0.0, slope; /* forces, and what unsolved ones lack */
-    double change = 1.0, share = 1.0, worst = 0.0, scale = m->stage.numbers->gap_scale;
-    Candidates nodes = {size, gap, s->held.at, s->multiplier.at, s->response.at};
-    for (int64_t i = 0; i < size; i++)
-        s->held.at[i] = gap[i] < 0.0 || (!coated && s->before.at[DIRECTIONS * i + RADIAL] < 0.0);
-    for (int64_t i = 0; i < size; i++)
-        place[i] = gap[i];
+    double change = 1.0, share = 1.0;
+    Candidates nodes = {size, s->gap.at, s->held.at, s->multiplier.at, s->response.at};
+    for (int64_t i = 0; i < size; i++) {
+        s->held.at[i] =
+            s->gap.at[i] < 0.0 || (!coated && s->before.at[DIRECTIONS * i + RADIAL] < 0.0);
+        place[i] = s->gap.at[i];
+    }
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
         respond(m, size, round > 0 && !coated ? s->multiplier.at : NULL);
         solved = (!coated && solve_normal(m, &nodes)) || solve_pieces(m, size);
         set_forces(m, size);
         change = turns ? turn_directions(m, size, &share, round) : 0.0;
     }
-    if (turns && (!solved || change > SAME_DIRECTION)) {
-        change = sweep_nodes(m, size);
-        solved = 1;
-    }
-    for (int64_t i = 0; i < size; i++) {
-        double multiplier = coated ? -smaller(place[i], 0.0) : s->multiplier.at[i];
-        double after = gap[i] - dot(s->compliance.at + DIRECTIONS * i * s->compliance.columns,
-                                    s->group_force.at, DIRECTIONS * size);
-        scale = larger(scale, fabs(gap[i]));
-        if (multiplier > 0.0)
-            worst = larger(worst, fabs(smaller(after, s->response.at[i * size + i] * multiplier)));
-        else
-            worst = larger(worst, -after);
-        largest = larger(largest, s->multiplier.at[i]);
-        if (!solved && after > 0.0)
-            wrong = larger(wrong, fabs(force_at(m, i, size, after, &slope) - s->multiplier.at[i]));
-        s->closed.at[i] = after;
-    }
-    for (int64_t i = 0; i < size; i++)
-        gap[i] = s->closed.at[i];
-    double *residual = m->state->counts.at + RESIDUAL;
-    *residual = larger(*residual, worst / scale);
-    if (solved && !(change > SAME_DIRECTION))
-        return;
-    m->state->counts.at[UNSOLVED] += 1.0;
-    *residual = larger(*residual, larger(solved ? change : 0.0, largest > 0.0 ? wrong / largest : 0.0));
+    return solved ? change : INFINITY;
 }
 
 #endif

@@ -494,6 +494,10 @@ typedef struct {
     Matrix response;   /* (group, group) change of the gaps due to unit normal forces with their
                         * friction */
     Vector held;       /* (group) 1 for active nodes */
+    IntVector stuck;   /* (group) 1 for nodes that stick, see `sticking.h` */
+    Matrix whole;      /* (group_components, group_components) `compliance` with tangential forces */
+    Vector whole_slide; /* (group_components) `slide` without them */
+    Vector whole_gap;  /* (group) `gap` without contact forces */
 } NodeScratch;
 
 /* Working arrays of a coating, for all contact nodes and for the nodes of a group. */

@@ -25,7 +25,7 @@
 #ifndef NODES_H
 #define NODES_H
 
-#include "group.h"
+#include "sticking.h"
 
 
 /* Return the modal coordinates of a copy in an array of all modes of the rotor. */

@@ -17,7 +17,6 @@
 #include "rods.h"
 
 #define SAME_DIRECTION 1e-10 /* change of the direction of sliding at which iterations end */
-#define SAME_DIRECTION 1e-10 /* change of the direction of sliding at which iterations end */
 enum { MOST_NEWTON = 40, MOST_PIECES = 4000 }; /* iterations, and pieces on a line */
 
 /* Return the force of a node of the group at a place; `slope` gets its decrease with the place. */

@@ -1,191 +1,246 @@
-/* Coulomb friction of a group with stick and slip, node by node.
+/* Coulomb friction of a group with stick and slip.
  *
- * The directions of sliding are iterated for all nodes together, see `group.h`. Where this does not
- * converge, as it cannot where a node sticks, the forces of one node after another are computed with
- * those of the others (Jourdan, Alart and Jean 1998, Computer Methods in Applied Mechanics and
- * Engineering 155). A node with the normal force p and the tangential force t has
+ * Where the directions of sliding do not converge, see `group.h`, some nodes stick. For a set of nodes
+ * that stick, their tangential forces follow linearly from the other forces,
  *
- *     gap = g + C_nn p - C_nt t,      slip = u - C_tn p + C_tt t,
+ *     slip = u + C f = 0,
  *
- * and either sticks, slip = 0 and |t| <= friction p, or slides, t = -friction p slip / |slip|.
+ * and are eliminated from the equations, which then are those of the nodes that slide. A node for which
+ * friction does not suffice, |t| > friction p, leaves the set, one whose direction of sliding does not
+ * converge enters it, first all at once, then one by one. For few nodes all sets are tried in the end,
+ * from directions of sliding that spread over the circle: there can be several solutions or, above the
+ * friction at which a blade locks itself against the wall, none, and no rule is known that always ends.
  */
 #ifndef STICKING_H
 #define STICKING_H
 
-#include "pieces.h"
+#include "group.h"
 
-enum { MOST_SWEEPS = 2000 }; /* sweeps over all nodes with the same share of the change */
-enum { SHARES = 4 };         /* shares 1, 1/2, 1/4 and so on, where forces alternate */
-enum { ANGLES = 64 };        /* directions that are tried in a circle */
-enum { HALVINGS = 60 };      /* of an interval, to rounding */
+enum { CHANGED_TOGETHER = 6 }; /* trials of a set before nodes are changed one by one */
+enum { FEW = 8 };              /* nodes of which all sets are tried */
+enum { MOST_SETS = 4096 };     /* trials of all sets from different directions of sliding */
+#define GOLDEN 2.399963229728653 /* angle, multiples of which spread over the circle */
 
-/* A node between the forces of the others. */
-typedef struct {
-    const March *m;
-    int64_t node;   /* number in the group */
-    int64_t size;   /* number of nodes of the group */
-    double gap;     /* without its force */
-    double slip[2]; /* without its force, along the circumference and the axis */
-    double c[DIRECTIONS][DIRECTIONS];
-    double force[DIRECTIONS]; /* -p, t */
-    double place;             /* place on the curve of `pieces.h` */
-} Alone;
-
-/* Compute the slip of a node in the step for the forces of the group. */
-static void slip_of(const March *m, int64_t i, int64_t size, double slip[2])
-{
-    const NodeScratch *s = &m->scratch->nodes;
-    for (int k = 0; k < 2; k++) {
-        int64_t component = DIRECTIONS * i + TANGENTIAL + k;
-        slip[k] = s->slide.at[component]
-                  + dot(s->compliance.at + component * s->compliance.columns, s->group_force.at,
-                        DIRECTIONS * size);
-    }
-    slip[0] += m->rotation.speed * s->radius.at[i] * m->stage.numbers->time_step;
-}
-
-/* Find the place where max(s, 0) = gap + w p(s) for w > 0. Returns p. */
-static double press_alone(Alone *a, double gap, double w)
-{
-    double slope, low = smaller(gap, -1.0), high = larger(gap, 0.0), force;
-    for (;; high = 2.0 * high + 1e-9 * a->m->stage.numbers->gap_scale) {
-        force = force_at(a->m, a->node, a->size, high, &slope);
-        if (high - gap - w * force >= 0.0)
-            break;
-    }
-    while (larger(low, 0.0) - gap - w * force_at(a->m, a->node, a->size, low, &slope) > 0.0)
-        low *= 2.0;
-    double place = smaller(larger(a->place, low), high);
-    for (int n = 0; n < 2 * HALVINGS && high - low > 1e-16 * (fabs(low) + fabs(high)); n++) {
-        force = force_at(a->m, a->node, a->size, place, &slope);
-        double miss = larger(place, 0.0) - gap - w * force;
-        if (miss > 0.0)
-            high = place;
-        else
-            low = place;
-        double next = place - miss / ((place >= 0.0) + w * slope);
-        if (next == place)
-            break;
-        place = next > low && next < high ? next : 0.5 * (low + high);
-    }
-    a->place = place;
-    return force_at(a->m, a->node, a->size, place, &slope);
-}
-
-/* Compute the force of a node that slides in a direction. Returns the part of its slip across the
- * direction, counter-clockwise; `along` gets that along the direction. */
-static double slide_alone(Alone *a, double angle, double *along)
-{
-    double friction = a->m->stage.numbers->friction, d[2] = {cos(angle), sin(angle)}, slip[2];
-    double w = a->c[RADIAL][RADIAL]
-               + friction * (a->c[RADIAL][TANGENTIAL] * d[0] + a->c[RADIAL][AXIAL] * d[1]);
-    double p = press_alone(a, a->gap, larger(w, 1e-3 * a->c[RADIAL][RADIAL]));
-    a->force[RADIAL] = -p;
-    for (int k = 0; k < 2; k++)
-        a->force[TANGENTIAL + k] = -friction * p * d[k];
-    for (int k = 0; k < 2; k++)
-        slip[k] = a->slip[k] + a->c[TANGENTIAL + k][0] * a->force[0]
-                  + a->c[TANGENTIAL + k][1] * a->force[1] + a->c[TANGENTIAL + k][2] * a->force[2];
-    *along = slip[0] * d[0] + slip[1] * d[1];
-    return slip[1] * d[0] - slip[0] * d[1];
-}
-
-/* Compute the force of a node that sticks. Returns whether friction can hold it. */
-static int stick_alone(Alone *a)
-{
-    double (*c)[DIRECTIONS] = a->c;
-    double det = c[1][1] * c[2][2] - c[1][2] * c[2][1], t[2][2];
-    int flat = !(fabs(det) > 1e-12 * (c[1][1] * c[1][1] + c[2][2] * c[2][2])); /* no axial motion */
-    if (flat && (c[2][2] != 0.0 || !(c[1][1] > 0.0)))
-        return 0;
-    for (int k = 0; k < 2; k++) { /* tangential forces without and with a unit normal force */
-        double one = k ? c[1][0] : -a->slip[0], two = k ? c[2][0] : -a->slip[1];
-        t[k][0] = flat ? one / c[1][1] : (c[2][2] * one - c[1][2] * two) / det;
-        t[k][1] = flat ? 0.0 : (c[1][1] * two - c[2][1] * one) / det;
-    }
-    double gap = a->gap - c[0][1] * t[0][0] - c[0][2] * t[0][1];
-    double w = c[0][0] - c[0][1] * t[1][0] - c[0][2] * t[1][1];
-    if (!(w > 0.0))
-        return 0;
-    double p = press_alone(a, gap, w), held = a->m->stage.numbers->friction * p;
-    a->force[RADIAL] = -p;
-    for (int k = 0; k < 2; k++)
-        a->force[TANGENTIAL + k] = t[0][k] + p * t[1][k];
-    return a->force[1] * a->force[1] + a->force[2] * a->force[2] <= held * held;
-}
-
-/* Compute the force of a node between the others; `angle` is its direction of sliding. */
-static void solve_alone(Alone *a, double *angle)
-{
-    double along, before[2], across[2], step = 2.0 * PI / ANGLES;
-    if (stick_alone(a)) {
-        if (a->force[TANGENTIAL] != 0.0 || a->force[AXIAL] != 0.0)
-            *angle = atan2(-a->force[AXIAL], -a->force[TANGENTIAL]);
-        return;
-    }
-    before[0] = before[1] = slide_alone(a, *angle, &along);
-    for (int n = 1; n <= ANGLES / 2; n++) /* the nearest direction on either side */
-        for (int side = 0; side < 2; side++) {
-            double sign = side ? -1.0 : 1.0, inner = *angle + sign * (n - 1) * step, ahead;
-            across[side] = slide_alone(a, inner + sign * step, &ahead);
-            if ((across[side] > 0.0) == (before[side] > 0.0)) {
-                before[side] = across[side];
-                continue;
-            }
-            double outer = inner + sign * step, found = inner;
-            for (int h = 0; h < HALVINGS && found != 0.5 * (inner + outer); h++) {
-                found = 0.5 * (inner + outer);
-                if ((slide_alone(a, found, &along) > 0.0) == (before[side] > 0.0))
-                    inner = found;
-                else
-                    outer = found;
-            }
-            if (along > 0.0) {
-                *angle = found;
-                return;
-            }
-            before[side] = across[side];
-        }
-    slide_alone(a, *angle, &along);
-}
-
-/* Compute the forces of a group with stick and slip from those of the last iteration. Returns the
- * change of the forces in the last sweep, divided by the largest force. */
-static double sweep_nodes(const March *m, int64_t size)
+/* Eliminate the tangential forces of the nodes that stick: their lines of the equations become those
+ * of the forces, and the others no longer depend on them. */
+static void eliminate_stuck(const March *m, int64_t size)
 {
     NodeScratch *s = &m->scratch->nodes;
-    int64_t width = s->compliance.columns;
-    double *place = m->scratch->pieces.place.at;
-    double change = INFINITY, largest = 1.0, share = 1.0;
-    for (int n = 0; n < SHARES * MOST_SWEEPS && change > SAME_DIRECTION * share * largest; n++) {
-        change = largest = 0.0;
-        share = 1.0 / (1 << n / MOST_SWEEPS);
-        for (int64_t i = 0; i < size; i++) {
-            double *force = s->group_force.at + DIRECTIONS * i, *d = s->direction.at + 2 * i;
-            double angle = atan2(d[1], d[0]), last[DIRECTIONS];
-            Alone a = {.m = m, .node = i, .size = size, .gap = s->gap.at[i], .place = place[i]};
-            for (int k = 0; k < DIRECTIONS; k++) {
-                last[k] = force[k];
-                force[k] = 0.0;
-                for (int l = 0; l < DIRECTIONS; l++)
-                    a.c[k][l] = s->compliance.at[(DIRECTIONS * i + k) * width + DIRECTIONS * i + l];
-            }
-            slip_of(m, i, size, a.slip);
-            a.gap -= dot(s->compliance.at + DIRECTIONS * i * width, s->group_force.at,
-                         DIRECTIONS * size);
-            solve_alone(&a, &angle);
-            d[0] = cos(angle);
-            d[1] = sin(angle);
-            place[i] = a.place;
-            for (int k = 0; k < DIRECTIONS; k++) {
-                force[k] = last[k] + share * (a.force[k] - last[k]);
-                change = larger(change, fabs(force[k] - last[k]));
-                largest = larger(largest, fabs(force[k]));
-            }
-            s->multiplier.at[i] = -force[RADIAL];
+    int64_t width = s->compliance.columns, n = DIRECTIONS * size;
+    double turned = m->rotation.speed * m->stage.numbers->time_step;
+    for (int64_t own = 0; own < n; own++) {
+        int64_t node = own / DIRECTIONS;
+        double *row = s->compliance.at + own * width, pivot = row[own];
+        if (own % DIRECTIONS == RADIAL || !s->stuck.at[node])
+            continue;
+        int moves = pivot > 1e-12 * s->whole.at[own * width + own]; /* without motion there is no force */
+        double slip = s->slide.at[own] + (own % DIRECTIONS == TANGENTIAL) * turned * s->radius.at[node];
+        for (int64_t j = 0; j < n; j++)
+            row[j] = moves && j != own ? -row[j] / pivot : 0.0;
+        s->slide.at[own] = moves ? -slip / pivot : 0.0;
+        for (int64_t i = 0; i < n; i++) {
+            double *other = s->compliance.at + i * width, share = other[own];
+            if (i == own || share == 0.0)
+                continue;
+            other[own] = 0.0;
+            for (int64_t j = 0; j < n; j++)
+                other[j] += share * row[j];
+            if (i % DIRECTIONS == RADIAL)
+                s->gap.at[i / DIRECTIONS] -= share * s->slide.at[own];
+            else
+                s->slide.at[i] += share * s->slide.at[own];
         }
     }
-    return largest > 0.0 ? change / largest : 0.0;
+}
+
+/* Compute the parts across the directions of sliding of the slips of few nodes, for the forces that
+ * follow from these directions, and their angles in `miss`. Returns the largest angle, INFINITY without
+ * normal forces. */
+static double slip_across(const March *m, int64_t size, const int64_t *node, int64_t few, double *across)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    Candidates nodes = {size, s->gap.at, s->held.at, s->multiplier.at, s->response.at};
+    double largest = 0.0, least = 1e-4 * m->stage.numbers->gap_scale; /* slip that has a direction */
+    respond(m, size, NULL);
+    if (!(!m->stage.node_coating && solve_normal(m, &nodes)) && !solve_pieces(m, size))
+        return INFINITY;
+    set_forces(m, size);
+    for (int64_t k = 0; k < few; k++) {
+        double slip[2], *d = s->direction.at + 2 * node[k], *miss = s->miss.at + 2 * node[k];
+        slip_of(m, node[k], size, slip);
+        across[k] = d[0] * slip[1] - d[1] * slip[0];
+        if (!(s->multiplier.at[node[k]] > 0.0))
+            across[k] = slip[0] = slip[1] = 0.0;
+        miss[0] = atan2(across[k], d[0] * slip[0] + d[1] * slip[1] + least);
+        miss[1] = 0.0;
+        largest = larger(largest, fabs(miss[0]));
+    }
+    return largest;
+}
+
+/* Turn a direction by an angle. */
+static void turn_by(double *direction, double angle)
+{
+    double x = direction[0], y = direction[1];
+    direction[0] = cos(angle) * x - sin(angle) * y;
+    direction[1] = sin(angle) * x + cos(angle) * y;
+}
+
+/* Solve the directions of sliding of few nodes by Newton's method with differences; a step after which
+ * the angles are larger is halved. Returns the largest angle that remains. */
+static double solve_directions(const March *m, int64_t size)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    int64_t node[FEW], few = 0;
+    double across[FEW], other[FEW], step[FEW], system[FEW * (FEW + 1)];
+    double largest = INFINITY, last = INFINITY, share = 1.0;
+    for (int64_t i = 0; i < size; i++)
+        if (!s->stuck.at[i]) {
+            if (few == FEW)
+                return PI;
+            node[few++] = i;
+        }
+    for (int trial = 0; trial < 2 * MOST_NEWTON; trial++) {
+        largest = slip_across(m, size, node, few, across);
+        if (!(largest > SAME_DIRECTION) || !(largest < INFINITY))
+            return largest;
+        if (largest > last && share > LEAST_SHARE) {
+            share *= 0.5;
+            for (int64_t k = 0; k < few; k++)
+                turn_by(s->direction.at + 2 * node[k], -share * step[k]);
+            continue;
+        }
+        last = largest;
+        share = 1.0;
+        for (int64_t k = 0; k < few; k++) {
+            double *d = s->direction.at + 2 * node[k], x = d[0], y = d[1], turn = 1e-6;
+            turn_by(d, turn);
+            if (!(slip_across(m, size, node, few, other) < INFINITY))
+                return INFINITY;
+            d[0] = x;
+            d[1] = y;
+            for (int64_t i = 0; i < few; i++)
+                system[i * (few + 1) + k] = (other[i] - across[i]) / turn;
+            if (!(s->multiplier.at[node[k]] > 0.0))
+                system[k * (few + 1) + k] = 1.0;
+            system[k * (few + 1) + few] = -across[k];
+        }
+        if (!eliminate_rows(system, few, 1))
+            return INFINITY;
+        for (int64_t k = 0; k < few; k++) {
+            step[k] = system[k * (few + 1) + few];
+            turn_by(s->direction.at + 2 * node[k], step[k]);
+        }
+    }
+    return largest;
+}
+
+/* Set the tangential forces of the nodes that stick, and change the set where it is wrong: each node or
+ * only the first. Returns the number of changes. */
+static int64_t change_stuck(const March *m, int64_t size, int solved, int only_first)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    double friction = m->stage.numbers->friction;
+    int64_t changes = 0;
+    for (int64_t i = 0; i < size; i++) {
+        double *force = s->group_force.at + DIRECTIONS * i, *miss = s->miss.at + 2 * i;
+        double held = friction * s->multiplier.at[i];
+        int wrong = s->multiplier.at[i] > 0.0
+                    && (!solved || hypot(miss[0], miss[1]) > SAME_DIRECTION);
+        if (s->stuck.at[i]) {
+            for (int64_t k = DIRECTIONS * i + TANGENTIAL; k <= DIRECTIONS * i + AXIAL; k++)
+                s->group_force.at[k] = s->slide.at[k]
+                                       + dot(s->compliance.at + k * s->compliance.columns,
+                                             s->group_force.at, DIRECTIONS * size);
+            double tangential = hypot(force[TANGENTIAL], force[AXIAL]);
+            wrong = tangential > held * (1.0 + SAME_DIRECTION);
+            for (int k = 0; k < 2 && tangential > 0.0; k++) /* in which it slides, if it does */
+                s->direction.at[2 * i + k] = -force[TANGENTIAL + k] / tangential;
+        }
+        if (wrong && (changes == 0 || !only_first))
+            s->stuck.at[i] = !s->stuck.at[i];
+        changes += wrong;
+    }
+    return changes;
+}
+
+/* Compute the forces of a group with nodes that stick. Returns whether a set of them was found. */
+static int stick_group(const March *m, int64_t size)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    int64_t length = DIRECTIONS * size, many = CHANGED_TOGETHER + 2 * size, few = 0, node[FEW];
+    for (int64_t i = 0; i < length * s->compliance.columns; i++)
+        s->whole.at[i] = s->compliance.at[i];
+    for (int64_t i = 0; i < length; i++)
+        s->whole_slide.at[i] = s->slide.at[i];
+    for (int64_t i = 0; i < size; i++) {
+        s->whole_gap.at[i] = s->gap.at[i];
+        if (few < FEW && (size <= FEW || s->gap.at[i] < 0.0))
+            node[few++] = i;
+    }
+    int64_t changes = change_stuck(m, size, 0, 0);
+    for (int64_t trial = 1; changes > 0 && trial < many + MOST_SETS; trial++) {
+        for (int64_t k = 0; k < few && trial >= many; k++) {
+            int64_t start = (trial - many) >> few;
+            double *d = s->direction.at + 2 * node[k], angle = GOLDEN * (double)(start * (k + 1));
+            s->stuck.at[node[k]] = !((trial - many) >> k & 1);
+            if (start > 0) { /* otherwise against the force of the node when it stuck */
+                d[0] = cos(angle);
+                d[1] = sin(angle);
+            }
+        }
+        eliminate_stuck(m, size);
+        double change = slide_group(m, size);
+        if (change > SAME_DIRECTION && change < INFINITY)
+            change = solve_directions(m, size);
+        changes = change_stuck(m, size, change < INFINITY, trial > CHANGED_TOGETHER);
+        for (int64_t i = 0; i < length * s->compliance.columns; i++)
+            s->compliance.at[i] = s->whole.at[i];
+        for (int64_t i = 0; i < length; i++)
+            s->slide.at[i] = s->whole_slide.at[i];
+        for (int64_t i = 0; i < size; i++)
+            s->gap.at[i] = s->whole_gap.at[i];
+    }
+    return changes == 0;
+}
+
+/* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
+static void contact_forces(const March *m, int64_t size)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    const double *place = m->scratch->pieces.place.at;
+    int coated = m->stage.node_coating != NULL;
+    double *gap = s->gap.at;
+    double largest = 0.0, wrong = 0.0, slope; /* forces, and what unsolved ones lack */
+    double worst = 0.0, scale = m->stage.numbers->gap_scale;
+    for (int64_t i = 0; i < size; i++)
+        s->stuck.at[i] = 0;
+    double change = slide_group(m, size);
+    if (change > SAME_DIRECTION && m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0)
+        change = stick_group(m, size) ? 0.0 : change;
+    int solved = change < INFINITY;
+    for (int64_t i = 0; i < size; i++) {
+        double multiplier = coated ? -smaller(place[i], 0.0) : s->multiplier.at[i];
+        double after = gap[i] - dot(s->compliance.at + DIRECTIONS * i * s->compliance.columns,
+                                    s->group_force.at, DIRECTIONS * size);
+        scale = larger(scale, fabs(gap[i]));
+        if (multiplier > 0.0)
+            worst = larger(worst, fabs(smaller(after, s->response.at[i * size + i] * multiplier)));
+        else
+            worst = larger(worst, -after);
+        largest = larger(largest, s->multiplier.at[i]);
+        if (!solved && after > 0.0)
+            wrong = larger(wrong, fabs(force_at(m, i, size, after, &slope) - s->multiplier.at[i]));
+        s->closed.at[i] = after;
+    }
+    for (int64_t i = 0; i < size; i++)
+        gap[i] = s->closed.at[i];
+    double *residual = m->state->counts.at + RESIDUAL;
+    *residual = larger(*residual, worst / scale);
+    if (solved && !(change > SAME_DIRECTION))
+        return;
+    m->state->counts.at[UNSOLVED] += 1.0;
+    *residual = larger(*residual, larger(solved ? change : 0.0, largest > 0.0 ? wrong / largest : 0.0));
 }
 
 #endif

@@ -18,7 +18,7 @@ from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
 from bladewhirl.studies.verification.contact import pad_on_a_wall
 
-SPEED, STEP, FRICTION = 600.0, 5e-7, 0.3
+SPEED, STEP = 600.0, 5e-7
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +28,10 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("layer", [None, 4e10])
-def test_friction_holds_nodes_or_opposes_their_slip(parts: Path, layer: float | None) -> None:
+@pytest.mark.parametrize(("friction", "layer"), [(0.3, None), (0.3, 4e10), (1.5, None), (1.5, 4e10)])
+def test_friction_holds_nodes_or_opposes_their_slip(
+    parts: Path, friction: float, layer: float | None
+) -> None:
     casing: dict[str, Any] = {"type": "rigid", "clearance": 1e-4}
     casing |= {"clearance_lobes": [{"lobes": 2, "amplitude": 9e-5}]}
     casing |= {"closure": {"amount": 1e-4, "time_constant": 5e-3}}
@@ -39,7 +41,7 @@ def test_friction_holds_nodes_or_opposes_their_slip(parts: Path, layer: float | 
         "bladed_disk": {"superelement": {"file": str(parts / "blade.npz"), "copies": 3}},
         "reduction": {"free_interface_modes": 8},
         "casing": casing,
-        "contact": {"friction": FRICTION, "sliding": "full"},
+        "contact": {"friction": friction, "sliding": "full"},
         "damping": {"ratio": 0.01},
         "rotation": {"effects": "full"},
         "march": {"speed": f"{SPEED} rad/s", "time_step": STEP, "record_step": STEP},
@@ -53,7 +55,7 @@ def test_friction_holds_nodes_or_opposes_their_slip(parts: Path, layer: float | 
     slip = np.stack([moved[..., 1] + around, moved[..., 2]], axis=-1)
     pressed, drag = -force[..., 0], force[..., 1:]
     touching = pressed > 1e-9 * pressed.max()
-    slip, drag, limit = slip[touching], drag[touching], FRICTION * pressed[touching]
+    slip, drag, limit = slip[touching], drag[touching], friction * pressed[touching]
     size, way = np.linalg.norm(drag, axis=1), np.linalg.norm(slip, axis=1)
     assert (size <= limit * (1.0 + 1e-6)).all()
     still = size < limit * (1.0 - 1e-6)
