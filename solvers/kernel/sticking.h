@@ -102,7 +102,7 @@ static double solve_directions(const March *m, int64_t size)
         }
     for (int trial = 0; trial < 2 * MOST_NEWTON; trial++) {
         largest = slip_across(m, size, node, few, across);
-        if (!(largest > SAME_DIRECTION) || !(largest < INFINITY))
+        if (!(largest > SAME_DIRECTION))
             return largest;
         if (largest > last && share > LEAST_SHARE) {
             share *= 0.5;
@@ -110,6 +110,8 @@ static double solve_directions(const March *m, int64_t size)
                 turn_by(s->direction.at + 2 * node[k], -share * step[k]);
             continue;
         }
+        if (!(largest < INFINITY))
+            return INFINITY;
         last = largest;
         share = 1.0;
         for (int64_t k = 0; k < few; k++) {
@@ -178,8 +180,8 @@ static int stick_group(const March *m, int64_t size)
         if (few < FEW && (size <= FEW || s->gap.at[i] < 0.0))
             node[few++] = i;
     }
-    int64_t changes = change_stuck(m, size, 0, 0);
-    for (int64_t trial = 1; changes > 0 && trial < many + MOST_SETS; trial++) {
+    int64_t wrong = change_stuck(m, size, 0, 0);
+    for (int64_t trial = 1; wrong > 0 && trial < many + MOST_SETS; trial++) {
         for (int64_t k = 0; k < few && trial >= many; k++) {
             int64_t start = (trial - many) >> few;
             double *d = s->direction.at + 2 * node[k], angle = GOLDEN * (double)(start * (k + 1));
@@ -188,12 +190,14 @@ static int stick_group(const March *m, int64_t size)
                 d[0] = cos(angle);
                 d[1] = sin(angle);
             }
+            m->scratch->pieces.place.at[node[k]] = s->gap.at[node[k]];
         }
         eliminate_stuck(m, size);
-        double change = slide_group(m, size);
+        double change = trial < many ? slide_group(m, size) : PI;
         if (change > SAME_DIRECTION && change < INFINITY)
             change = solve_directions(m, size);
-        changes = change_stuck(m, size, change < INFINITY, trial > CHANGED_TOGETHER);
+        int solved = change < INFINITY;
+        wrong = change_stuck(m, size, solved, trial > CHANGED_TOGETHER) + !solved;
         for (int64_t i = 0; i < length * s->compliance.columns; i++)
             s->compliance.at[i] = s->whole.at[i];
         for (int64_t i = 0; i < length; i++)
@@ -201,7 +205,7 @@ static int stick_group(const March *m, int64_t size)
         for (int64_t i = 0; i < size; i++)
             s->gap.at[i] = s->whole_gap.at[i];
     }
-    return changes == 0;
+    return wrong == 0;
 }
 
 /* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
@@ -225,7 +229,7 @@ static void contact_forces(const March *m, int64_t size)
                                     s->group_force.at, DIRECTIONS * size);
         scale = larger(scale, fabs(gap[i]));
         if (multiplier > 0.0)
-            worst = larger(worst, fabs(smaller(after, s->response.at[i * size + i] * multiplier)));
+            worst = larger(worst, fabs(smaller(after, fabs(s->response.at[i * size + i]) * multiplier)));
         else
             worst = larger(worst, -after);
         largest = larger(largest, s->multiplier.at[i]);
