@@ -101,17 +101,18 @@ def _tip_thickness(stage: Stage) -> FloatArray:
     )
 
 
-def tip_thickness(part: Superelement, blades: int) -> float | None:
-    """Return the mean thickness of the tips along the arc [m]: the area of the surface that faces
-    the wall divided by the axial extent of the contact nodes. None if the file has no such surface,
-    or its contact nodes have one axial position.
+def tip_thickness(part: Superelement, blades: int) -> FloatArray | None:
+    """Return the thickness of the tips along the arc at each track of contact nodes [m], (tracks,):
+    the area of the surface that faces the wall, nearest to the track, divided by its width. None if
+    the file has no such surface, or its contact nodes have one axial position.
 
     Args:
         part: superelement with its contact nodes at the edges of the tips.
         blades: number of its blades.
     """
-    extent = float(np.ptp(part.contact_position[:, 2]))
-    if part.points is None or part.triangles is None or extent <= SAME * part.contact_radius.max():
+    axial, _ = axial_tracks(part.contact_position[:, 2], part.contact_radius)
+    extent = float(np.ptp(axial))
+    if part.points is None or part.triangles is None or extent == 0.0:
         return None
     corners = part.points[part.triangles]
     area = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -121,8 +122,21 @@ def tip_thickness(part: Superelement, blades: int) -> float | None:
     outward = (area * middle)[:, :2].sum(axis=1) / radius
     faces = outward > FACING * np.linalg.norm(area, axis=1)
     faces &= radius > part.contact_radius.min() - NEAR * extent
-    thickness = float(outward[faces].sum()) / (blades * extent)
-    return thickness if thickness > SAME * part.contact_radius.max() else None
+    edges = np.concatenate([[-np.inf], 0.5 * (axial[1:] + axial[:-1]), [np.inf]])
+    below = outward[faces] @ _share_below(np.sort(corners[faces, :, 2]), edges)
+    thickness = np.diff(below) / (blades * spacing(axial))
+    return thickness if (thickness > SAME * part.contact_radius.max()).all() else None
+
+
+def _share_below(corners: FloatArray, levels: FloatArray) -> FloatArray:
+    """Return the share of the area of each triangle below each level, (triangles, levels), for the
+    heights of its corners in ascending order, (triangles, 3)."""
+    low, middle, high = (corners[:, k, None] for k in range(3))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rising = (levels - low) ** 2 / ((high - low) * (middle - low))
+        falling = 1.0 - (high - levels) ** 2 / ((high - low) * (high - middle))
+    within = np.where(levels < middle, rising, falling)
+    return np.select([levels <= low, levels >= high], [0.0, 1.0], within)
 
 
 def node_coating(
@@ -130,14 +144,15 @@ def node_coating(
     part: Superelement,
     blade: IntArray,
     wall_radius: float,
-    thickness: float | None = None,
+    thickness: FloatArray | None = None,
 ) -> NodeCoating | None:
     """Return the coating of the wall; None if there is none.
 
     There is a track of rods for each axial position of contact nodes, whose outermost nodes are at
     the edges of the blades. The widths of the tracks follow from the axial distances between them,
-    see `spacing`. A node covers the arc of the thickness of its blade, or, where its blade has more
-    nodes in its track or no thickness is known, an arc by the distances between neighbours.
+    see `spacing`. A node covers the arc of the thickness of its blade at its track; nodes of a
+    blade in one track share it by the distances between neighbours. Where no thickness is known, a
+    node covers an arc by these distances.
 
     Args:
         case: the case.
@@ -163,11 +178,13 @@ def node_coating(
         along = part.contact_angle * part.contact_radius
         for number in np.unique(blade):
             members = np.flatnonzero(blade == number)
-            footprint[members] = thickness or spacing(along[members])
+            if thickness is None:
+                footprint[members] = spacing(along[members])
+                continue
             for place in np.unique(track[members]):
                 row = members[track[members] == place]
-                if len(row) > 1:
-                    footprint[row] = spacing(along[row])
+                share = spacing(along[row]) if len(row) > 1 else np.ones(1)
+                footprint[row] = thickness[place] * share / (share.sum() or np.inf)
         if not footprint.min() > SAME * wall_radius:
             expected = "a length, because contact nodes of a blade are at the same angle"
             raise CaseError([case_fault(case, "casing.coating.footprint", expected)])

@@ -10,7 +10,7 @@ from solid_meshes import STEEL, cantilever
 from symmetric_cases import marched
 
 import bladewhirl as bw
-from bladewhirl.models.stage.coating import tip_thickness
+from bladewhirl.models.stage.coating import node_coating, tip_thickness
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 
 LAYER = {"thickness": 1.5e-3, "young_modulus": 3e8, "yield_stress": 2e6, "hardening": 2e7}
@@ -66,12 +66,28 @@ def test_tracks_are_as_wide_and_footprints_as_long_as_the_tip(parts: Path) -> No
         coating = superelement_stage(bw.case_from(case(parts, contacts))).coating
         assert coating is not None
         assert coating.width.sum() == pytest.approx(0.015)
-        assert coating.footprint == pytest.approx(np.full(contacts, 0.01), rel=1e-3)
+        assert coating.footprint == pytest.approx(np.full(contacts, 0.01), rel=1e-2)
+        assert coating.footprint @ coating.width == pytest.approx(0.03 * 0.005, rel=1e-3)
     part = bw.read_superelement(parts / "3.npz")
-    assert tip_thickness(part, 1) == pytest.approx(0.01, rel=1e-3)
+    thickness = tip_thickness(part, 1)
+    assert thickness == pytest.approx(np.full(3, 0.01), rel=1e-2)
     assert part.triangles is not None
     inward = replace(part, triangles=part.triangles[:, ::-1])
-    assert tip_thickness(inward, 1) == tip_thickness(part, 1)
+    assert tip_thickness(inward, 1) == pytest.approx(thickness)
+
+
+def test_nodes_in_one_track_share_the_thickness_of_the_tip(parts: Path) -> None:
+    """Two nodes in each of two tracks, 2 mm apart, on a tip that is 10 mm thick along the arc."""
+    part = bw.read_superelement(parts / "2.npz")
+    given = bw.case_from(case(parts, 2))
+    places = part.contact_position[[0, 0, 1, 1]] + 1e-3 * np.array(
+        [[0.0, k, 0.0] for k in (-1, 1, -1, 1)]
+    )
+    four = replace(part, contact_position=places)
+    nowhere = np.zeros(4, dtype=np.int64)
+    coating = node_coating(given, four, nowhere, 0.45, tip_thickness(part, 1))
+    assert coating is not None
+    assert coating.footprint == pytest.approx(np.full(4, 0.005), rel=1e-2)
 
 
 @pytest.mark.parametrize("copies", [2, 7])
