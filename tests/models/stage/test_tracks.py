@@ -83,7 +83,7 @@ def test_nodes_in_one_track_share_the_thickness_of_the_tip(parts: Path) -> None:
     places = part.contact_position[[0, 0, 1, 1]] + 1e-3 * np.array(
         [[0.0, k, 0.0] for k in (-1, 1, -1, 1)]
     )
-    four = replace(part, contact_position=places)
+    four = replace(part, contact_position=places, contact_dofs=np.arange(12).reshape(4, 3))
     nowhere = np.zeros(4, dtype=np.int64)
     coating = node_coating(given, four, nowhere, 0.45, tip_thickness(part, 1))
     assert coating is not None
