@@ -7,10 +7,7 @@ from pydantic import Field, StrictBool
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, StiffnessOrZero, quantity
 from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
-
-Effects = Literal["none", "centrifugal", "full"]
-"""Rotation effects: none; "centrifugal", which is tension with its geometric stiffness and spin
-softening; or "full", which adds Coriolis forces."""
+from bladewhirl.models.structure.rotating import Effects
 
 
 class Rotation(Table):

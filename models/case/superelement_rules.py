@@ -6,7 +6,7 @@ from bladewhirl.models.case.blade_loss import BladeLoss
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.table import Inconsistency, path_of, value_at
-from bladewhirl.models.superelements.superelement import LOADS
+from bladewhirl.models.structure.rotating import Rotating
 
 RULES: tuple[tuple[str, tuple[object, ...], str], ...] = (
     (
@@ -162,10 +162,10 @@ def _rotation_faults(case: Tables, table: SuperelementTable) -> Iterator[Inconsi
             " would be those of one speed"
         )
         yield Inconsistency("rotation.effects", expected, (SOURCE, "march"))
-    if case.march.varies and effects == "full" and len(part.loads.T) < len(LOADS):
+    if case.march.varies and effects == "full" and part.euler_load is None:
         expected = (
-            f'"none" with a speed that varies, or a file with {" and ".join(LOADS)}, which change'
-            " the length of the blade with the speed; mesh3d writes them"
+            f'"none" with a speed that varies, or a file with {" and ".join(Rotating.LOADS)}, which'
+            " change the length of the blade with the speed; mesh3d writes them"
         )
         yield Inconsistency("rotation.effects", expected, (SOURCE, "march"))
     if case.march.varies and effects == "full" and table.kind == "sector":

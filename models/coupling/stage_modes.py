@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
@@ -17,6 +16,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.modes import ModeTable
 from bladewhirl.models.rotation.matrices import RotationMatrices
+from bladewhirl.models.structure.rotating import Effects
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""

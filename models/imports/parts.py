@@ -22,7 +22,6 @@ from bladewhirl.models.solids.groups import (
 from bladewhirl.models.solids.positions import EXAMPLE
 from bladewhirl.models.superelements.superelement import (
     FIXED,
-    SQUARE,
     Matrix,
     Superelement,
     SuperelementError,
@@ -67,7 +66,8 @@ class ForeignPart:
     @property
     def matrices(self) -> dict[str, Any]:
         """Mass, stiffness and further matrices that are present, by name."""
-        return {key: matrix for key in SQUARE if (matrix := getattr(self, key)) is not None}
+        given = {key: getattr(self, key) for key in Superelement.FORMS}
+        return {key: matrix for key, matrix in given.items() if matrix is not None}
 
     def without(self, rows: IntArray) -> "ForeignPart":
         """Return the part without some rows and columns of its matrices, whose displacements are

@@ -11,7 +11,6 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
@@ -41,8 +40,10 @@ from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth, turning_disk
 from bladewhirl.models.rotation.critical_speeds import shaft_waves
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.waves import Waves, waves
+from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, whirl_modes
+from bladewhirl.models.structure.rotating import Effects
+from bladewhirl.models.structure.waves import Waves
 
 Frequencies = Mapping[int, FloatArray]
 """Frequencies by nodal diameter in ascending order [rad/s]; a pair has one entry. The key -1 has

@@ -10,15 +10,15 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.touching import Tips
-from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import WhirlModes
+from bladewhirl.models.structure.rotating import Effects
+from bladewhirl.models.structure.waves import Waves
 
 FAMILIES = 12  #: default number of modes of each nodal diameter of a superelement
 

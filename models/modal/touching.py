@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.rotation.waves import Waves
+from bladewhirl.models.structure.waves import Waves
 
 STIFFEST = 1e-7
 """Least flexibility of held nodes, as a fraction of their static flexibility, if no modes are left

@@ -7,7 +7,8 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.rotation.at_speed import TurningDisk
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_unequal_bearings
-from bladewhirl.models.rotation.waves import Waves, waves
+from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.structure.waves import Waves
 
 ORDERS = {"forward": 0, "backward": 2}
 """Ratio of the frequency in the rotating frame to the speed of rotation, for forward and backward

@@ -19,7 +19,6 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import directions, rotate
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.bladed_disk import (
     COMPONENTS,
@@ -33,6 +32,7 @@ from bladewhirl.models.elements.bladed_disk import (
 from bladewhirl.models.elements.forms import coriolis, mass, tension_stiffness
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.structure.rotating import Effects
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 """Gauss points and weights on -1 to 1, which integrate the line load of a tapered beam exactly."""

@@ -5,11 +5,11 @@ mean, where s = (k_x - k_y) / 2 and (X, Y) is the displacement of the centre. Le
 amplitudes of the wave exp(i theta) in the static frame and Z b the displacement of the centre along
 x that belongs to them. The waves b = p exp(i W t) + conj(q) exp(-i W t) then solve
 
-    (-W^2 M + 2 i W Omega (G + i M) + K + Omega^2 (S - M + 2 i G)) p + 2 s Z^H conj(Z) q = 0
+    (-W^2 M + i W Omega (G + 2 i M) + K + Omega^2 (K1 - M + i G)) p + 2 s Z^H conj(Z) q = 0
 
-and the complex conjugate equation with p and q interchanged, with the matrices of `waves` and S =
-K_G1 - M_t. The coefficients are constant, and every motion is an ellipse of the backward wave p and
-the forward wave q.
+and the complex conjugate equation with p and q interchanged, with the matrices of `rotating`. The
+coefficients are constant, and every motion is an ellipse of the backward wave p and the forward
+wave q.
 """
 
 from dataclasses import dataclass, replace
@@ -18,8 +18,8 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
-from bladewhirl.models.rotation.waves import Waves
+from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen
+from bladewhirl.models.structure.waves import Waves
 
 ROUND = 6  #: decimals of the share of the backward wave in a motion; closer shares count as equal
 
@@ -63,7 +63,7 @@ class EllipticWaves(Waves):
 
     def _motions(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Return w (2 n,) and the fields (p, q), (2 n, 2 n), of all motions at a speed omega."""
-        coriolis = 2.0 * omega * self.static.coriolis
+        coriolis = omega * self.static.turning
         stiffness = self.static.stiffness_at(omega)
         rates, fields = gyroscopic_eigen(self.static.mass, stiffness, coriolis)
         size = len(self.mass)
@@ -91,7 +91,7 @@ def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -
     """
     mixed = 2.0 * difference * np.outer(centre, centre)
     zero = np.zeros_like(mixed)
-    coupling = np.block([[zero, mixed], [mixed.conj().T, zero]])
+    coupling, fourth = np.block([[zero, mixed], [mixed.conj().T, zero]]), waves.stiffness_speed4
 
     def both(matrix: ComplexArray) -> ComplexArray:
         return np.asarray(la.block_diag(matrix, matrix.conj()))
@@ -101,9 +101,9 @@ def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -
         frame=1,
         mass=both(waves.mass),
         stiffness=both(waves.stiffness) + coupling,
-        coriolis=both(waves.coriolis + 1j * waves.mass),
-        softening=both(waves.softening - waves.mass + 2j * waves.coriolis),
+        gyroscopic=both(waves.turning + 2j * waves.mass),
+        stiffness_speed=both(waves.softening - waves.mass + 1j * waves.turning),
+        stiffness_speed4=None if fourth is None else both(fourth),
         springs=both(waves.springs) + coupling,
-        softening4=None if waves.softening4 is None else both(waves.softening4),
     )
     return EllipticWaves(**vars(waves), static=static)

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
+from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
 
 Direction = Literal["forward", "backward", "standing"]  #: direction in which a wave travels
 

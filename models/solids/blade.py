@@ -32,7 +32,6 @@ from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.rigid import free_bodies, free_displacements
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
-from bladewhirl.models.superelements.at_speed import fixed_at_speed
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import Superelement
 
@@ -255,7 +254,9 @@ def mesh3d(
         None if change is None else sp.csr_array(select.T @ change @ select) for change in changes
     )
     part = replace(part, stiffness_speed=squared, stiffness_speed4=fourth)
-    return part if omega == 0.0 else fixed_at_speed(part, omega)
+    if omega == 0.0:
+        return part
+    return replace(part.at(omega), stiffness_speed=None, stiffness_speed4=None)
 
 
 def _elements(mesh: VolumeMesh) -> str:

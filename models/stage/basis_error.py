@@ -5,7 +5,6 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.stage.superelement_structure import LARGE, on_springs, structure_of
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.reduction import lowest_modes
 from bladewhirl.models.superelements.sector import Sector, Wave
 from bladewhirl.models.superelements.superelement import Superelement
@@ -27,7 +26,7 @@ def basis_error(stage: SuperelementStage) -> float | None:
     part = structure_of(case)
     if table.kind != "sector" and part.size < LARGE:
         return None
-    part = at_speed(part, stage.speed, coriolis=False)
+    part = part.at(stage.speed, "centrifugal")
     if table.kind == "sector":
         exact = _of_sector(part, table.copies)
     else:

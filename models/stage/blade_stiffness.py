@@ -109,9 +109,7 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
     count, reduced = len(own.reduced.frequency), own.reduced
     by_speed = np.zeros((count, count))
     if own.case.rotation.effects != "none" and reduced.stiffness_speed is not None:
-        by_speed = reduced.stiffness_speed
-        if reduced.stiffness_speed4 is not None:
-            by_speed = by_speed + 2.0 * omega**2 * reduced.stiffness_speed4
+        by_speed = reduced.slope(omega)
     disk = forced_stage(own, loads, omega)
     at_rest = None
     if own.damped_as_at_rest:

@@ -9,11 +9,11 @@ from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.speed_change import turning_inertia
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
 from bladewhirl.models.superelements.reduction import rigid_limit
 
 LOWEST_FREQUENCY = 1.0

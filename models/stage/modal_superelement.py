@@ -12,7 +12,6 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import stiffness_hints
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL
 from bladewhirl.models.inputs.errors import CaseError, UserError
@@ -36,7 +35,6 @@ from bladewhirl.models.modal.modes import families, is_first_of_pair
 from bladewhirl.models.modal.tip_motion import tip_motion
 from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
-from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
@@ -45,6 +43,8 @@ from bladewhirl.models.stage.superelement_structure import (
     structure_of,
     without_rotation,
 )
+from bladewhirl.models.structure.rotating import Effects
+from bladewhirl.models.structure.waves import Waves
 from bladewhirl.models.superelements.nodal_blocks import (
     UNKNOWN,
     Blocks,
@@ -55,7 +55,6 @@ from bladewhirl.models.superelements.nodal_blocks import (
     wheel_blocks,
     with_clamped_centre,
 )
-from bladewhirl.models.superelements.reduction import ReducedSuperelement
 from bladewhirl.models.superelements.superelement import SuperelementError
 
 COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
@@ -179,7 +178,7 @@ class ModalSuperelement(ModalModel):
     def waves(self) -> dict[int, Waves]:
         if UNKNOWN in self.blocks or np.ptp(self.stage.factor) > 0.0:
             raise UserError(UNEQUAL_SECTORS)
-        found = {k: self._wave(k, block) for k, block in self.blocks.items()}
+        found: dict[int, Waves] = {k: self._wave(block) for k, block in self.blocks.items()}
         difference = self.case.shaft.anisotropy
         if difference and self.clamped_blocks is not None and 1 in found:
             along_x = self.blocks[1].centre[0].conj()
@@ -246,7 +245,7 @@ class ModalSuperelement(ModalModel):
 
         omega, elastic = self.speed, wave.stiffness - wave.springs
         change = wave.stiffness_at(omega) - wave.stiffness
-        coriolis = turned(2.0 * omega * wave.coriolis) if self.effects == "full" else None
+        coriolis = turned(omega * wave.turning) if self.effects == "full" else None
         return ShaftBlock(
             mass=turned(wave.mass),
             stiffness=turned(elastic + change),
@@ -275,17 +274,10 @@ class ModalSuperelement(ModalModel):
     def _table(self) -> SuperelementTable:
         return self.stage.table
 
-    def _wave(self, k: int, block: NodalBlock) -> Waves:
-        turning = self.case.rotation.effects != "none"
-        return Waves(
-            nodal_diameter=k,
-            mass=np.eye(block.size, dtype=np.complex128),
-            stiffness=block.stiffness,
-            coriolis=0.5 * block.gyroscopic * float(self.effects == "full"),
-            softening=block.stiffness_speed * float(turning),
-            softening4=block.stiffness_speed4 if turning else None,
-            springs=block.springs,
-        )
+    def _wave(self, block: NodalBlock) -> NodalBlock:
+        """Return a block with the effects of the rotation on this structure only."""
+        effects: Effects = self.case.rotation.effects
+        return replace(block.under(effects), gyroscopic=block.under(self.effects).gyroscopic)
 
     def _modes(self, blocks: Blocks) -> LabelledModes | LabelledWhirlModes:
         """Return the lowest modes at the speed of the case."""
@@ -303,11 +295,7 @@ class ModalSuperelement(ModalModel):
                 wave_modes(
                     k,
                     copies,
-                    (
-                        np.eye(block.size, dtype=np.complex128),
-                        self._wave(k, block).stiffness_at(omega),
-                        omega * block.gyroscopic,
-                    ),
+                    (block.mass, self._wave(block).stiffness_at(omega), omega * block.turning),
                     (block.springs, block.stiffness),
                 )
                 for k, block in blocks.items()
@@ -374,7 +362,7 @@ def modal_superelement(
         if table.kind == "blade":
             blocks = blade_blocks(part, table.copies, each, highest)
         elif table.kind == "sector" and case.bladed_disk.mistuning.is_given(table.copies):
-            blocks = {UNKNOWN: block_of(*_at_rest(superelement_stage(case)))}
+            blocks = {UNKNOWN: block_of(superelement_stage(case).reduced)}
         elif table.kind == "sector":
             blocks = sector_blocks(stage.given, table.copies, each, highest)
         else:
@@ -402,15 +390,6 @@ def modal_superelement(
     )
 
 
-def _at_rest(stage: SuperelementStage) -> tuple[ReducedSuperelement, FloatArray]:
-    """Return the reduction of a stage at its speed, and its stiffness at rest."""
-    reduced, omega = stage.reduced, stage.speed
-    stiffness = np.diag(reduced.squares)
-    if reduced.stiffness_speed is not None and stage.case.rotation.effects != "none":
-        stiffness = stiffness - reduced.change(omega)
-    return reduced, stiffness
-
-
 def _of_casing(stage: SuperelementStage) -> LabelledModes:
     """Return the modes of a flexible casing; none for a rigid wall."""
     if stage.ring is not None:
@@ -422,7 +401,7 @@ def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:
     """Return the modes of all blocks without Coriolis forces, ascending, without families."""
     found = []
     for k, block in blocks.items():
-        square, vectors = la.eigh(block.stiffness + block.change(omega))
+        square, vectors = la.eigh(block.stiffness_at(omega))
         strained, held = (
             np.einsum("im,ij,jm->m", vectors.conj(), matrix, vectors).real
             for matrix in (block.stiffness, block.springs)

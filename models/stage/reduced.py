@@ -22,7 +22,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton_basis
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies, modal_damping
+from bladewhirl.models.structure.eigenproblems import gyroscopic_frequencies, modal_damping
 
 if TYPE_CHECKING:
     import xarray as xr

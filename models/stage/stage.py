@@ -28,13 +28,13 @@ from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
-from bladewhirl.models.rotation.eigenproblems import modal_damping
 from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.export import part_superelement, wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
+from bladewhirl.models.structure.eigenproblems import modal_damping
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 FULL_FREQUENCIES = 7

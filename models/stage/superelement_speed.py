@@ -20,14 +20,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.cone import compliance_in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.speed_change import with_drive
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.stage.varying_speed import ComplianceOverSpeeds, Rotation, SpeedChange
-from bladewhirl.models.superelements.reduction import ReducedSuperelement
 
 SPEEDS = 5  #: number of speeds between which the flexibility is interpolated
 
@@ -45,13 +43,11 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
         changed = replace(problem, change=SpeedChange(course=course))
         return changed if drive is None else with_drive(stage.case, changed, drive.inertia)
     reduced, base, factor = stage.reduced, problem.speed, stage.factor
-    assert reduced.stiffness_speed is not None
-    assert reduced.gyroscopic is not None
-    coriolis, (load, euler) = 0.5 * reduced.gyroscopic, reduced.loads
+    load, euler = reduced.loads.T
     steady = base**2 * load / reduced.squares
     patterns = {
         "by_square": np.tile(load - reduced.stiffness_speed @ steady, len(factor)),
-        "by_acceleration": (euler - coriolis @ steady / factor[:, None]).ravel(),
+        "by_acceleration": (euler - reduced.coriolis @ steady / factor[:, None]).ravel(),
     }
     if reduced.stiffness_speed4 is not None:
         patterns["by_fourth"] = np.tile(-reduced.stiffness_speed4 @ steady, len(factor))
@@ -64,13 +60,13 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
         course=course,
         stiffening=reduced.stiffness_speed,
         stiffening4=reduced.stiffness_speed4,
-        coriolis=coriolis,
+        coriolis=reduced.coriolis,
         factor=factor,
-        compliance=_compliance(stage, course, base),
+        compliance=_compliance(stage, course),
     )
     first = Rotation(0.0, float(course.speed(0.0)), 0.0)
     pushed = [each.amplitude(0.0, first, base) * each.rotor for each in loads]
-    stiffness = _stiffness(reduced, base, first.speed)
+    stiffness = reduced.stiffness_at(first.speed)
     by_copy = problem.rotor.by_copy(np.sum(pushed, axis=0))
     moved = np.linalg.solve(stiffness, by_copy.T).T / factor[:, None]
     start = problem.start.rotor + moved.ravel()
@@ -82,22 +78,13 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
     )
 
 
-def _stiffness(reduced: ReducedSuperelement, base: float, omega: float) -> FloatArray:
-    """Return the stiffness at a speed on the modes at the speed `base` [1/s2], (modes, modes)."""
-    change = reduced.change(omega) - reduced.change(base)
-    return np.asarray(np.diag(reduced.squares) + change)
-
-
-def _compliance(
-    stage: SuperelementStage, course: SpeedCourse, base: float
-) -> ComplianceOverSpeeds | None:
+def _compliance(stage: SuperelementStage, course: SpeedCourse) -> ComplianceOverSpeeds | None:
     """Return the flexibility of massless contact nodes at speeds between those of a course, in the
     axes of the wall; None if it does not change.
 
     Args:
         stage: the stage.
         course: speed over time.
-        base: speed of the modes [rad/s].
     """
     low, high = course.range
     if low == high or stage.case.reduction.boundary != "massless":
@@ -107,7 +94,7 @@ def _compliance(
     compliance = []
     for speed in speeds.tolist():
         at_speed, modes = stage.reduced_at(speed), reduced.contact
-        by_modes = modes @ np.linalg.solve(_stiffness(reduced, base, speed), modes.T)
+        by_modes = modes @ np.linalg.solve(reduced.stiffness_at(speed), modes.T)
         static = (at_speed.contact / at_speed.squares) @ at_speed.contact.T
         static = static + at_speed.compliance - by_modes
         compliance.append(compliance_in_wall_axes(0.5 * (static + static.T), stage.slope) / factor)

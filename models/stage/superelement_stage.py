@@ -51,7 +51,6 @@ from bladewhirl.models.stage.superelement_structure import (
     wheel_of_sectors,
     without_rotation,
 )
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.points import with_fewer_points
 from bladewhirl.models.superelements.reduction import (
@@ -326,7 +325,7 @@ class SuperelementStage:
         They are the damping and the Coriolis forces of the file. With rotation.effects = "full",
         all modes have the modal damping of the structure at rest, as those of beams.
         """
-        reduced, modes = self.reduced, len(self.reduced.frequency)
+        reduced, modes = self.reduced, self.reduced.size
         matrices = [] if reduced.damping is None else [reduced.damping]
         if reduced.gyroscopic is not None:
             matrices.append(speed * reduced.gyroscopic)
@@ -545,10 +544,10 @@ def _reduced_at(
         return part, *found
     root, slower = None, list[Superelement]()
     if turning:
-        still, full = over_speeds(case, part, highest), case.rotation.effects == "full"
-        part = at_speed(still, omega, coriolis=full)
+        still, effects = over_speeds(case, part, highest), case.rotation.effects
+        part = still.at(omega, effects)
         root = damping_root(case, still, highest)
-        slower = [assembled(case, at_speed(still, each, coriolis=full)) for each in others]
+        slower = [assembled(case, still.at(each, effects)) for each in others]
     held = assembled(case, part)
     if reduction.boundary == "massless":
         return part, held, massless(held, reduction.free_interface_modes, root, slower)

@@ -5,9 +5,9 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair
 from bladewhirl.models.rotation.at_speed import TurningDisk
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
 from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.contact_problem import ReducedRotor
+from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen
 
 STANDS = 1e-6
 """A motion is standing if its backward and forward parts differ by at most this fraction of their

@@ -1,22 +1,14 @@
 """A small superelement that stands for a large one over a range of speeds."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.joined import joined
 from bladewhirl.models.superelements.reduction import modes_and_static
 from bladewhirl.models.superelements.stresses import load_columns
-from bladewhirl.models.superelements.superelement import (
-    FIXED,
-    LOADS,
-    RECOVERIES,
-    SQUARE,
-    Superelement,
-)
+from bladewhirl.models.superelements.superelement import FIXED, Superelement
 
 FURTHER_MODES = 10  #: number of modes at each of three speeds, besides those of the reduction
 
@@ -46,7 +38,7 @@ def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
     loads[ends, np.arange(len(ends))] = 1.0
     loads = load_columns(part, loads)
     fields = []
-    for state in (part, *(at_speed(part, share * highest, coriolis=True) for share in (0.5, 1.0))):
+    for state in (part, part.at(0.5 * highest), part.at(highest)):
         _, shapes, moved = modes_and_static(state, min(modes + FURTHER_MODES, part.size - 1), loads)
         fields += [shapes, moved]
     basis = joined(part, fields)
@@ -55,15 +47,7 @@ def condensed(part: Superelement, highest: float, modes: int) -> Superelement:
     basis = basis @ turn
     place = np.full(part.size + 1, FIXED)  # the last entry is that of a fixed component
     place[ends] = np.arange(len(ends))
-    changes: dict[str, Any] = {
-        name: basis.T @ (matrix @ basis)
-        for name in SQUARE
-        if (matrix := getattr(part, name)) is not None
-    }
-    for name in RECOVERIES:
-        if (matrix := getattr(part, name)) is not None:
-            changes[name] = np.asarray(matrix @ basis)
-    changes |= {name: load @ basis for name in LOADS if (load := getattr(part, name)) is not None}
+    changes = {"contact_dofs": place[part.contact_dofs], **part.projected(basis)}
     if part.centre_dofs is not None:
         changes["centre_dofs"] = place[part.centre_dofs]
-    return replace(part, contact_dofs=place[part.contact_dofs], **changes)
+    return replace(part, **changes)

@@ -20,17 +20,14 @@ from bladewhirl.models.superelements.containers import (
     whole_numbers,
 )
 from bladewhirl.models.superelements.superelement import (
-    LOADS,
-    NUMBERS,
-    RECOVERIES,
-    SQUARE,
+    ARRAYS,
     Matrix,
     Superelement,
     SuperelementError,
     errors_of,
 )
 
-MATRICES = (*SQUARE, *RECOVERIES)
+MATRICES = (*Superelement.FORMS, *Superelement.ROWS)
 SPEED, SECTORS = "speed", "sectors"
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source")
@@ -81,10 +78,10 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
         matrix = _matrix(content, key)
         if matrix is not None:
             values[key] = matrix * _scale(key, length, mass)
-    for key in NUMBERS:
+    for key in ARRAYS:
         if key in content:
             values[key] = _scale(key, length, mass) * real_numbers(key, content[key])
-    for key in ("young_modulus", "poisson_ratio", *LOADS):
+    for key in ("young_modulus", "poisson_ratio", *Superelement.LOADS):
         if key in values:
             values[key] = values[key].ravel()
     if SPEED in content:
@@ -100,6 +97,10 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     if "centre_dofs" in values:
         values["centre_dofs"] = values["centre_dofs"].ravel()
     part = Superelement(**values)
+    if part.speed and part.stiffness_speed is not None:
+        raise SuperelementError(
+            "speed: expected 0 with stiffness_speed, which needs the stiffness at rest"
+        )
     still = np.flatnonzero(abs(part.contact_rows[::3]).sum(axis=1) < ROUNDING)
     if len(still):
         raise SuperelementError(
@@ -117,7 +118,7 @@ def _scale(key: str, length: float, mass: float) -> float:
         "strain_recovery": 1.0 / length,
         "stress_recovery": mass / length**2,
         "young_modulus": mass / length,
-        **dict.fromkeys(LOADS, mass * length),
+        **dict.fromkeys(Superelement.LOADS, mass * length),
     }
     return factors.get(key, mass)
 
@@ -133,7 +134,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
     if file.suffix.lower() != ".npz":
         raise SuperelementError(f"{file}: expected a name that ends with .npz")
     content: dict[str, Any] = {}
-    for key in (*MATRICES, *NUMBERS, SPEED, SECTORS, *INTEGERS, *TEXTS):
+    for key in (*MATRICES, *ARRAYS, SPEED, SECTORS, *INTEGERS, *TEXTS):
         value = getattr(part, key)
         if value is None:
             continue
@@ -149,7 +150,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
 
 _SPARSE = ("data", "indices", "indptr", "shape")
 KEYS = (
-    *(*MATRICES, *NUMBERS, SPEED, SECTORS, *INTEGERS, *TEXTS, *UNITS),
+    *(*MATRICES, *ARRAYS, SPEED, SECTORS, *INTEGERS, *TEXTS, *UNITS),
     *(f"{key}_{part}" for key in MATRICES for part in _SPARSE),
 )
 

@@ -1,5 +1,6 @@
-"""Modes of a structure in the space of given fields."""
+"""Modes that describe the motions of a structure over a range of speeds."""
 
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,6 +17,25 @@ most this fraction of the largest one."""
 LEAST_MASS = 1e-8  #: least mass of a motion of unit stiffness, divided by the largest one
 
 Field = TypeVar("Field", FloatArray, ComplexArray)
+
+
+def over_speeds(part: Superelement, highest: float) -> tuple[Superelement, ...]:
+    """Return a structure at rest and at half and all of the highest speed [rad/s], with K + Omega^2
+    M in place of the stiffness K: the modes are the same, and rotation softens none of them.
+
+    The modes of all three together describe motions at any speed in between, which those at rest
+    alone do slowly: 160 modes of each nodal diameter of a sector of solids leave an error of 1e-3
+    where stiffening raises a frequency by a hundredth. Without matrices of the change of the
+    stiffness, or without a speed, only the structure at rest is returned.
+    """
+    if part.stiffness_speed is None or highest == 0.0:
+        return (part,)
+    speeds = 0.5 * highest, highest
+    turning = map(part.at, speeds)
+    return part, *(
+        replace(each, stiffness=each.stiffness + omega**2 * part.mass)
+        for each, omega in zip(turning, speeds, strict=True)
+    )
 
 
 def joined(part: Superelement, fields: list[Field]) -> Field:

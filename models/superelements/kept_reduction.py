@@ -10,10 +10,11 @@ import io
 import logging
 import re
 import stat
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,7 +24,7 @@ from bladewhirl.models.superelements.superelement import Superelement
 
 logger = logging.getLogger(__name__)
 
-VERSION = 4
+VERSION = 5
 """Version of the method; a higher one makes all reductions again."""
 
 FOLDER = ".reduced"  #: what the name of the folder adds to that of the file
@@ -39,6 +40,8 @@ REMEMBERED, IN_MEMORY = 4, 1e8
 """Number of the last reductions that are kept in memory, and their largest size [bytes]."""
 
 Arrays = Mapping[str, np.ndarray[Any, Any]]
+
+Kind = TypeVar("Kind", bound=Any)
 
 _remembered: dict[str, Arrays] = {}
 """The last reductions by their digests."""
@@ -76,6 +79,26 @@ def kept_reduction(
         for old in list(_remembered)[:-REMEMBERED]:
             del _remembered[old]
     return arrays
+
+
+def flattened(parts: Iterable[Any]) -> dict[str, np.ndarray[Any, Any]]:
+    """Return the arrays and numbers of dataclasses, by name and place, for `kept_reduction`."""
+    return {
+        f"{name}_{place}": np.asarray(value.toarray() if sp.issparse(value) else value)
+        for place, part in enumerate(parts)
+        for name, value in vars(part).items()
+        if value is not None
+    }
+
+
+def restored(kind: type[Kind], count: int, arrays: Arrays) -> list[Kind]:
+    """Return dataclasses from what `flattened` made of them."""
+    names = [field.name for field in fields(kind)]
+    found = [{name: arrays.get(f"{name}_{place}") for name in names} for place in range(count)]
+    return [
+        kind(**{name: one if one is None or one.ndim else one.item() for name, one in part.items()})
+        for part in found
+    ]
 
 
 def _digest(part: Superelement, settings: tuple[float, ...]) -> str:

@@ -19,15 +19,12 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.superelements.reduction import (
-    FURTHER,
-    RIGID_SECTOR,
-    ReducedSuperelement,
-    root_of,
-)
+from bladewhirl.models.structure.rotating import of_modes
+from bladewhirl.models.superelements.reduction import RIGID_SECTOR, ReducedSuperelement, root_of
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     IndefiniteError,
+    Matrix,
     Superelement,
     SuperelementError,
 )
@@ -69,7 +66,7 @@ def mistuned_wheel(part: Superelement, factor: FloatArray) -> Superelement:
     return replace(part, stiffness=stiffness, blade_stiffness=None)
 
 
-def blade_products(stiffness: sp.csr_array, fields: Sequence[ComplexArray]) -> FloatArray:
+def blade_products(stiffness: Matrix, fields: Sequence[ComplexArray]) -> FloatArray:
     """Return the products Z^T B Z of the stiffness B of the blade of a sector, (2 m, 2 m), where Z
     has the real parts and then the imaginary parts of the fields of each nodal diameter in turn.
 
@@ -78,7 +75,7 @@ def blade_products(stiffness: sp.csr_array, fields: Sequence[ComplexArray]) -> F
         fields: fields of each nodal diameter, (n, modes) each.
     """
     parts = np.hstack([part for field in fields for part in (field.real, field.imag)])
-    return np.asarray(parts.T @ (stiffness @ parts))
+    return np.asarray(parts.T @ (sp.csr_array(stiffness) @ parts))
 
 
 def coupled_waves(
@@ -157,7 +154,7 @@ def stiffened(
     Raises:
         SuperelementError: the stiffness is not positive definite.
     """
-    squares, turn = la.eigh(np.diag(reduced.frequency**2) + change)
+    squares, turn = la.eigh(np.diag(reduced.squares) + change)
     if not squares[0] > 0.0:
         raise IndefiniteError(RIGID_SECTOR)
     stress = reduced.stress
@@ -172,22 +169,13 @@ def stiffened(
         moved = (sums @ reduced.points) @ (turn[:, modes:] / squares[modes:])
         return np.asarray(reduced.points_by_force(own) * softer + moved @ rest.T)
 
+    own = replace(reduced, root=root_of(reduced.root @ reduced.root + change)).projected(kept)
     return replace(
         reduced,
-        frequency=np.sqrt(squares[:modes]),
-        contact=reduced.contact @ kept,
+        **own | of_modes(squares[:modes]),
         compliance=softer[:, None] * reduced.compliance * softer + static,
-        centre=reduced.centre @ kept,
         of_points=lambda: reduced.points @ kept,
         points_by_force=points_by_force,
-        strains=reduced.strains @ kept,
         stress=None if stress is None else replace(stress, modes=stress.modes @ kept),
-        loads=reduced.loads @ kept,
-        root=kept.T @ root_of(reduced.root @ reduced.root + change) @ kept,
         kept=modes,
-        **{
-            key: kept.T @ matrix @ kept
-            for key in FURTHER
-            if (matrix := getattr(reduced, key)) is not None
-        },
     )

@@ -10,33 +10,26 @@ equal matrices for every nodal diameter.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.superelements.at_speed import over_speeds
-from bladewhirl.models.superelements.joined import joined
+from bladewhirl.models.structure.rotating import Rotating
+from bladewhirl.models.structure.waves import Waves
+from bladewhirl.models.superelements.joined import joined, over_speeds
 from bladewhirl.models.superelements.reduction import (
     RIGID_SECTOR,
     STIFF,
     ReducedSuperelement,
-    change_by_speed,
     lowest_modes,
     modes_and_static,
 )
 from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
-from bladewhirl.models.superelements.stresses import recovered_rows
-from bladewhirl.models.superelements.superelement import (
-    FIXED,
-    LOADS,
-    SQUARE,
-    Matrix,
-    Superelement,
-    dense,
-)
+from bladewhirl.models.superelements.stresses import RECOVERED, recovered_rows
+from bladewhirl.models.superelements.superelement import FIXED, Superelement, dense
 
 UNKNOWN = -1  #: nodal diameter of the only block of a structure whose blades differ
 
@@ -57,43 +50,29 @@ own in the blocks of a sector."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodalBlock:
-    """Matrices of one nodal diameter on m mass-normalised modes of the structure at rest.
+class NodalBlock(Waves):
+    """Matrices of one nodal diameter on m mass-normalised modes of the structure at rest; of a
+    whole structure whose blades differ, the nodal diameter is `UNKNOWN`.
 
     A field p exp(i w t) with w > 0 and k > 0 travels backward. The displacements of the contact
-    nodes and of the points are those of the first sector, or of the whole structure.
+    nodes and of the points are those of the first sector, or of the whole structure. Loads of the
+    rotation are zero for nodal diameters other than 0.
     """
 
-    stiffness: ComplexArray  #: stiffness with the springs of the shaft [1/s2], (m, m)
-    springs: ComplexArray  #: part of the stiffness due to the springs of the shaft [1/s2], (m, m)
-    damping: ComplexArray | None  #: damping of the file [1/s], (m, m); None if there is none
-    gyroscopic: ComplexArray  #: Coriolis forces at 1 rad/s, (m, m), skew-Hermitian
-    stiffness_speed: ComplexArray  #: change of the stiffness at 1 rad/s, (m, m)
-    stiffness_speed4: ComplexArray | None
-    """Its part that grows with the fourth power of the speed, (m, m); None if there is none."""
+    LOADS: ClassVar[tuple[str, ...]] = (*Waves.LOADS, "blade_loads")
+    ROWS: ClassVar[tuple[str, ...]] = ("contact", "centre", *RECOVERED, "blade")
+
     contact: ComplexArray
     """Radial, tangential and axial displacements of the contact nodes [kg^-1/2], (3c, m)."""
     centre: ComplexArray  #: x and y of the centre [kg^-1/2], (2, m); zero without a centre
     points: ComplexArray  #: displacements of the points along x, y and z [kg^-1/2], (3p, m)
     strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, m)
     stresses: ComplexArray  #: stresses at the points [Pa kg^-1/2/m], (6p, m)
-    loads: ComplexArray
-    """Loads of the rotation that are known, see `superelement.LOADS`, (m, loads), of nodal diameter
-    0; zero for other nodal diameters."""
-    blade: ComplexArray
+    blade: ComplexArray | None = None
     """Displacements of all coordinates of the structure [kg^-1/2], (n, m), if it has
-    blade_stiffness and is a sector; no rows otherwise."""
-    blade_loads: ComplexArray
+    blade_stiffness and is a sector."""
+    blade_loads: ComplexArray | None = None
     """Forces of the stiffness of the blade in the modes of all nodal diameters, (m, loads)."""
-
-    def change(self, omega: float) -> ComplexArray:
-        """Return the change of the stiffness at a speed [rad/s], (m, m)."""
-        return np.asarray(change_by_speed(self, omega))
-
-    @property
-    def size(self) -> int:
-        """Number of modes."""
-        return len(self.stiffness)
 
 
 Blocks = Mapping[int, NodalBlock]
@@ -115,8 +94,8 @@ def blade_blocks(part: Superelement, blades: int, count: int, highest: float = 0
     else:
         most, states = min(count, part.size - 1), over_speeds(part, highest)
         shapes = joined(part, [lowest_modes(each, most)[1] for each in states])
-    block = _block(part, np.asarray(shapes, dtype=np.complex128))
-    return dict.fromkeys(range(blades // 2 + 1), block)
+    block = _block(part, np.asarray(shapes, dtype=np.complex128), 0)
+    return {k: replace(block, nodal_diameter=k) for k in range(blades // 2 + 1)}
 
 
 def sector_blocks(
@@ -150,9 +129,10 @@ def sector_blocks(
         def block(wave: Wave) -> NodalBlock:
             waves = [wave, *(Wave(sector, wave.diameter) for sector in states[1:])]
             together = joined(part, [field for each in waves for field in fields(each)])
-            made = _block(part, together)
-            if wave.diameter == 0:
-                made = replace(made, loads=together.conj().T @ part.loads)
+            made = _block(part, together, wave.diameter)
+            if wave.diameter != 0:
+                still: dict[str, Any] = dict.fromkeys(part.given(part.LOADS), np.zeros(made.size))
+                made = replace(made, **still)
             if part.blade_stiffness is None:
                 return made
             return replace(made, blade=together, blade_loads=together.conj().T @ of_blade)
@@ -213,7 +193,7 @@ def wheel_blocks(
     if len(groups) < len(found):
         groups = [{UNKNOWN: np.asarray(shapes, dtype=np.complex128)} for _, shapes in modes]
     return {
-        k: _block(part, joined(part, [each[k] for each in groups if k in each]), springs)
+        k: _block(part, joined(part, [each[k] for each in groups if k in each]), k, springs)
         for k in sorted(set().union(*groups))
     }
 
@@ -225,46 +205,23 @@ def with_clamped_centre(part: Superelement) -> Superelement:
     place = np.full(part.size + 1, FIXED)  # the last entry is that of a fixed component
     place[kept] = np.arange(len(kept))
 
-    def cut(matrix: Matrix | None) -> Any:
-        if matrix is None:
-            return None
-        return sp.csr_array(matrix)[kept][:, kept] if sp.issparse(matrix) else matrix[kept][:, kept]
-
-    return replace(
-        part,
-        **{key: cut(getattr(part, key)) for key in SQUARE},
-        contact_dofs=place[part.contact_dofs],
-        centre_dofs=None,
-        recovery=None if part.recovery is None else sp.csc_array(part.recovery)[:, kept],
-        **{key: load[kept] for key in LOADS if (load := getattr(part, key)) is not None},
-    )
+    select = sp.csr_array(sp.eye_array(part.size))[:, kept]
+    dofs: dict[str, Any] = {"contact_dofs": place[part.contact_dofs], "centre_dofs": None}
+    return replace(part, **part.projected(select), **dofs)
 
 
-def block_of(reduced: ReducedSuperelement, stiffness: FloatArray) -> NodalBlock:
-    """Return the only block of a structure whose blades differ, from its reduction and its
-    stiffness at rest on the modes of this reduction [1/s2], (m, m)."""
-    modes = len(stiffness)
-    zero = np.zeros((modes, modes))
-
-    def given(matrix: FloatArray | None) -> Any:
-        return np.asarray(zero if matrix is None else matrix, dtype=np.complex128)
-
-    fourth = reduced.stiffness_speed4
+def block_of(reduced: ReducedSuperelement) -> NodalBlock:
+    """Return the only block of a structure whose blades differ, from its reduction at a speed."""
+    none = np.zeros((0, reduced.size), dtype=np.complex128)
+    matrices = replace(reduced, stiffness=reduced.stiffness_at(0.0)).given(Waves.FORMS[:-1])
+    rows = {"contact": reduced.contact, "centre": reduced.centre, "points": reduced.points}
+    given = matrices | rows | {"springs": np.zeros(reduced.mass.shape)}
+    waves: dict[str, Any] = {name: dense(one).astype(np.complex128) for name, one in given.items()}
     return NodalBlock(
-        stiffness=given(stiffness),
-        springs=given(None),
-        damping=None if reduced.damping is None else given(reduced.damping),
-        gyroscopic=given(reduced.gyroscopic),
-        stiffness_speed=given(reduced.stiffness_speed),
-        stiffness_speed4=None if fourth is None else given(fourth),
-        contact=np.asarray(reduced.contact, dtype=np.complex128),
-        centre=np.asarray(reduced.centre, dtype=np.complex128),
-        points=np.asarray(reduced.points, dtype=np.complex128),
-        stresses=np.zeros((0, modes), dtype=np.complex128),
-        loads=np.zeros((modes, 0), dtype=np.complex128),
-        blade=np.zeros((0, modes), dtype=np.complex128),
-        blade_loads=np.zeros((modes, 0), dtype=np.complex128),
-        strains=np.zeros((0, modes), dtype=np.complex128),
+        **waves,
+        nodal_diameter=UNKNOWN,
+        strains=none,
+        stresses=none,
     )
 
 
@@ -317,32 +274,21 @@ def _by_nodal_diameter(
 
 
 def _block(
-    part: Superelement, fields: ComplexArray, springs: tuple[float, float] = (0.0, 0.0)
+    part: Superelement,
+    fields: ComplexArray,
+    nodal_diameter: int,
+    springs: tuple[float, float] = (0.0, 0.0),
 ) -> NodalBlock:
     modes = fields.shape[1]
-    zero = np.zeros((modes, modes), dtype=np.complex128)
-
-    def on_modes(matrix: Matrix | None, sign: float = 1.0) -> ComplexArray:
-        if matrix is None:
-            return zero
-        values = fields.conj().T @ (matrix @ fields)
-        return np.asarray(0.5 * (values + sign * values.conj().T))
-
     centre = np.zeros((2, modes), dtype=np.complex128)
     if part.centre_dofs is not None:
         centre = fields[part.centre_dofs]
-    none, fourth = np.zeros((0, modes), dtype=np.complex128), part.stiffness_speed4
+    matrices = part.projected(fields, (*Rotating.FORMS, *Rotating.LOADS))
+    rows = {name: np.asarray(rows @ fields) for name, rows in recovered_rows(part).items()}
     return NodalBlock(
-        stiffness=on_modes(part.stiffness),
+        **{**matrices, **rows, "mass": np.eye(modes, dtype=np.complex128)},
+        nodal_diameter=nodal_diameter,
         springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
-        damping=None if part.damping is None else on_modes(part.damping),
-        gyroscopic=on_modes(part.gyroscopic, -1.0),
-        stiffness_speed=on_modes(part.stiffness_speed),
-        stiffness_speed4=None if fourth is None else on_modes(fourth),
         contact=np.asarray(part.contact_rows @ fields),
         centre=centre,
-        **{name: np.asarray(rows @ fields) for name, rows in recovered_rows(part).items()},
-        loads=np.zeros((modes, part.loads.shape[1]), dtype=np.complex128),
-        blade=none,
-        blade_loads=none.T,
     )

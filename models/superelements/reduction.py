@@ -19,13 +19,14 @@ nodes have mass, and C is zero.
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray, absent
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
@@ -68,16 +69,15 @@ mass of what they leave of the shapes, as a fraction of the largest."""
 
 RIGID_SECTOR = "expected a sector without rigid modes and with a stiffness that is not indefinite"
 
-FURTHER = ("damping", "gyroscopic", "stiffness_speed", "stiffness_speed4")
-"""Optional matrices of a superelement, which couple its modes."""
-
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedSuperelement:
-    """A superelement in mass-normalised modal coordinates."""
+class ReducedSuperelement(Rotating[Matrix]):
+    """A superelement in modal coordinates: mass-normalised modes of its stiffness, which is
+    diagonal, with matrices (modes, modes) and loads (modes,)."""
 
-    frequency: FloatArray
-    """Natural frequency of each mode [rad/s], (modes,); negative if its square is negative."""
+    FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "root")
+    ROWS: ClassVar[tuple[str, ...]] = ("contact", "centre", "strains")
+
     contact: FloatArray
     """Radial, tangential and axial displacements of the contact nodes for unit modal coordinates
     [kg^-1/2], (3c, modes)."""
@@ -100,16 +100,6 @@ class ReducedSuperelement:
     """Strains by unit contact forces without their part in the modes [1/N], as
     `ReducedStress.forces`."""
     stress: ReducedStress | None = None  #: stress at the points, if the file gives its recovery
-    damping: FloatArray | None = None  #: damping matrix of the file [1/s], (modes, modes)
-    gyroscopic: FloatArray | None = None
-    """Matrix of the Coriolis forces of the file at 1 rad/s, (modes, modes)."""
-    stiffness_speed: FloatArray | None = None
-    """Change of the stiffness by rotation at 1 rad/s from the file, (modes, modes)."""
-    stiffness_speed4: FloatArray | None = None
-    """Its part that grows with the fourth power of the speed, (modes, modes)."""
-    loads: FloatArray = absent()
-    """Modal forces of the loads of the rotation that are known, see `LOADS` [kg^1/2 m], (loads,
-    modes)."""
     root: FloatArray | None = None
     """Square root of the stiffness at rest, on the modes [1/s], (modes, modes), of a structure at
     speed: twice the damping ratio times this matrix is the modal damping of the structure at rest.
@@ -122,24 +112,18 @@ class ReducedSuperelement:
     @property
     def squares(self) -> FloatArray:
         """Squared frequencies with their signs [rad2/s2], (modes,)."""
-        return self.frequency * np.abs(self.frequency)
+        return diagonal(self.stiffness)
 
-    def change(self, omega: float) -> FloatArray:
-        """Return the change of the stiffness by rotation at a speed [rad/s] [1/s2], (modes,
-        modes), of a structure that has `stiffness_speed`."""
-        return np.asarray(change_by_speed(self, omega))
+    @cached_property
+    def frequency(self) -> FloatArray:
+        """Natural frequency of each mode [rad/s], (modes,); negative if its square is negative."""
+        return np.asarray(np.sign(self.squares) * np.sqrt(np.abs(self.squares)))
 
     @cached_property
     def points(self) -> FloatArray:
         """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p,
         modes)."""
         return self.of_points()
-
-
-def change_by_speed(structure: Any, omega: float) -> Any:
-    """Return the change of the stiffness at a speed [rad/s] by the second and the fourth power."""
-    change, fourth = omega**2 * structure.stiffness_speed, structure.stiffness_speed4
-    return change if fourth is None else change + omega**4 * fourth
 
 
 def massless(
@@ -298,14 +282,8 @@ def _reduced(
 
     rows = recovered_rows(part)
     by_force = np.asarray(rows["points"] @ moved[:, : 3 * part.contacts])
-    matrices = {
-        name: shapes.T @ (matrix @ shapes)
-        for name in FURTHER
-        if (matrix := getattr(part, name)) is not None
-    }
     return ReducedSuperelement(
-        **matrices,
-        frequency=np.sign(squares) * np.sqrt(np.abs(squares)),
+        **part.on_modes(squares, shapes),
         contact=part.contact_rows @ shapes,
         compliance=compliance,
         centre=centre,
@@ -314,7 +292,6 @@ def _reduced(
         strains=np.asarray(rows["strains"] @ shapes),
         strains_by_force=np.asarray(rows["strains"] @ moved[:, : 3 * part.contacts])[None],
         stress=reduced_stress(part, squares, shapes, moved, np.abs(squares) > rigid_limit(part)),
-        loads=part.loads.T @ shapes,
         root=None if root is None else root(shapes),
         kept=kept,
     )

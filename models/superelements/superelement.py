@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,6 +12,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
 from bladewhirl.models.inputs.plausible import fault_of
+from bladewhirl.models.structure.rotating import Rotating
 
 Matrix: TypeAlias = FloatArray | sp.csr_array
 """A dense or a sparse matrix."""
@@ -44,62 +45,33 @@ def errors_of(source: object) -> Iterator[None]:
         raise SuperelementError(*(f"{source}: {line}" for line in error.lines)) from None
 
 
-SQUARE = (
-    *("mass", "stiffness", "damping", "gyroscopic"),
-    *("stiffness_speed", "stiffness_speed4", "blade_stiffness"),
-)
-"""Names of the matrices between coordinates."""
-
-
-RECOVERIES = ("recovery", "strain_recovery", "stress_recovery")
-"""Names of the matrices from coordinates to other quantities."""
-
 COMPONENTS = 6  #: components xx, yy, zz, xy, yz and zx of a stress
 
-LOADS = ("centrifugal_load", "euler_load")
-"""Names of the forces of the rotation on the undeformed structure."""
-
-NUMBERS = ("contact_position", "points", "young_modulus", "poisson_ratio", *LOADS)
+ARRAYS = ("contact_position", "points", "young_modulus", "poisson_ratio", *Rotating.LOADS)
 """Names of the arrays of numbers."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Superelement:
-    """Matrices of a blade clamped at its root, of a sector or of a wheel, in SI units.
+class Superelement(Rotating[Matrix]):
+    """Matrices of a blade clamped at its root, of a sector or of a wheel.
 
-    The axis of rotation is z, and the structure rotates counter-clockwise. Coordinates that are
-    not displacements of nodes are amplitudes of modes.
+    Coordinates that are not displacements of nodes are amplitudes of modes. A file with
+    stiffness_speed has the speed 0.
 
     Raises:
         SuperelementError: the arrays do not describe a structure; the error lists all faults.
     """
 
-    mass: Matrix  #: mass matrix [kg], (n, n), symmetric
-    stiffness: Matrix  #: stiffness matrix [N/m], (n, n), symmetric
+    FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "blade_stiffness")
+    ROWS: ClassVar[tuple[str, ...]] = ("recovery", "strain_recovery", "stress_recovery")
+
     contact_position: FloatArray  #: undeformed positions of contact nodes [m], (c, 3)
     contact_dofs: IntArray
     """Numbers of the x, y and z displacement of each contact node, (c, 3); -1 for a component that
     is always zero."""
-    damping: Matrix | None = None  #: damping matrix [N s/m], (n, n), symmetric
-    gyroscopic: Matrix | None = None
-    """Skew matrix of the Coriolis forces, for a speed of 1 rad/s [kg], (n, n)."""
-    stiffness_speed: Matrix | None = None
-    """Change of the stiffness by steady rotation (geometric stiffness minus spin softening), for a
-    speed of 1 rad/s [kg], (n, n), symmetric; it grows with the square of the speed."""
-    stiffness_speed4: Matrix | None = None
-    """Further change of the stiffness (of the elastic stiffness by the second power of the static
-    displacement) for a speed of 1 rad/s [kg s2], (n, n), symmetric; it grows with the fourth power
-    of the speed."""
     blade_stiffness: Matrix | None = None
     """Part of the stiffness that the blade of a sector, or the blades of a wheel, have at rest
     [N/m], (n, n), symmetric. The mistuning of a case changes it."""
-    speed: float | None = None
-    """Speed of rotation to which the stiffness belongs [rad/s]; None if it is unknown. 0 with
-    stiffness_speed."""
-    softening: float = 0.0
-    """Stiffness plus this number times mass is positive definite [rad2/s2]. It is the square of the
-    speed of a wheel that rotates, whose stiffness is indefinite above its first critical speed;
-    files do not contain it."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
     points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)
@@ -115,11 +87,6 @@ class Superelement:
     young_modulus: FloatArray | None = None
     """Young's modulus at each point [Pa], (p,), for strain gauges; with stress_recovery."""
     poisson_ratio: FloatArray | None = None  #: Poisson's ratio at each point, (p,)
-    centrifugal_load: FloatArray | None = None
-    """Centrifugal forces on the coordinates at a speed of 1 rad/s [kg m], (n,)."""
-    euler_load: FloatArray | None = None
-    """Euler forces -M (z x X) on the coordinates at an acceleration of the rotation of 1 rad/s2
-    [kg m], (n,); with centrifugal_load."""
     left_dofs: IntArray | None = None
     """Numbers of the x, y and z displacements of the nodes on the clockwise face of a sector,
     (l, 3)."""
@@ -144,20 +111,17 @@ class Superelement:
         )
 
     @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return int(self.mass.shape[0])
+    def softening(self) -> float:
+        """Stiffness plus this number times mass is positive definite [rad2/s2]: the square of the
+        speed of a wheel that rotates, whose stiffness is indefinite above its first critical
+        speed."""
+        rotates = self.centre_dofs is not None and self.stiffness_speed is not None
+        return (self.speed or 0.0) ** 2 if rotates else 0.0
 
     @property
     def contacts(self) -> int:
         """Number of contact nodes."""
         return len(self.contact_position)
-
-    @property
-    def loads(self) -> FloatArray:
-        """Those of `LOADS` that are known, (n, loads)."""
-        given = [getattr(self, key) for key in LOADS]
-        return np.reshape([load for load in given if load is not None], (-1, self.size)).T
 
     @property
     def point_count(self) -> int:
@@ -197,15 +161,12 @@ class Superelement:
 def _faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of a superelement, each as "KEY: expected ..."."""
     n = part.size
-    for key in (*SQUARE, *RECOVERIES, *NUMBERS):
+    for key in (*part.FORMS, *part.ROWS, *ARRAYS):
         given = getattr(part, key)
         if given is not None and not np.isfinite(given.data if sp.issparse(given) else given).all():
             yield f"{key}: expected finite numbers"
             return
-    for key in SQUARE:
-        matrix = getattr(part, key)
-        if matrix is None:
-            continue
+    for key, matrix in part.given(part.FORMS).items():
         if matrix.ndim != 2 or matrix.shape != (n, n) or n == 0:
             yield f"{key}: expected a square matrix of the size of mass, got {_shape(matrix)}"
             return
@@ -220,8 +181,6 @@ def _faults(part: Superelement) -> Iterator[str]:
             yield f"{key}: expected no negative numbers on the diagonal"
     if part.speed is not None and not np.isfinite(part.speed):
         yield "speed: expected a finite number"
-    if part.speed and part.stiffness_speed is not None:
-        yield "speed: expected 0 with stiffness_speed, which needs the stiffness at rest"
     if part.stiffness_speed4 is not None and part.stiffness_speed is None:
         yield "stiffness_speed4: expected stiffness_speed too"
     masses = diagonal(part.mass)
@@ -303,9 +262,8 @@ def _stress_faults(part: Superelement) -> Iterator[str]:
     """Yield the faults of the arrays of stresses, each as "KEY: expected ..."."""
     n, rows, given_points = part.size, part.stress_recovery, part.points
     points = 0 if given_points is None or not given_points.ndim else len(given_points)
-    for key in LOADS:
-        load = getattr(part, key)
-        if load is not None and load.shape != (n,):
+    for key, load in part.given(part.LOADS).items():
+        if load.shape != (n,):
             yield f"{key}: expected ({n},), got {_shape(load)}"
     if part.euler_load is not None and part.centrifugal_load is None:
         yield "euler_load: expected centrifugal_load too"

@@ -1,9 +1,8 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields as fields_of
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.linalg as la
@@ -11,10 +10,16 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.structure.rotating import Rotating, of_modes
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.further_modes import further, stiffest
-from bladewhirl.models.superelements.kept_reduction import Arrays, kept_reduction
+from bladewhirl.models.superelements.kept_reduction import (
+    Arrays,
+    flattened,
+    kept_reduction,
+    restored,
+)
 from bladewhirl.models.superelements.mistuned import (
     blade_products,
     change_of_waves,
@@ -23,7 +28,6 @@ from bladewhirl.models.superelements.mistuned import (
 )
 from bladewhirl.models.superelements.nodal_blocks import NodalBlock, sector_blocks
 from bladewhirl.models.superelements.reduction import (
-    FURTHER,
     RIGID_SECTOR,
     ReducedSuperelement,
     check_count,
@@ -34,20 +38,40 @@ from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
 from bladewhirl.models.superelements.stresses import RECOVERED, ReducedStress, recovered_rows
 from bladewhirl.models.superelements.superelement import (
     FIXED,
-    LOADS,
-    RECOVERIES,
     IndefiniteError,
     Superelement,
     SuperelementError,
+    diagonal,
 )
 
-BY_FORCE = "_by_force"  #: what the name of a quantity has added for the part by contact forces
 
-WAVE = (
-    *("squares", "contact", "steady", "residual"),
-    *(name + part for name in RECOVERED for part in ("", BY_FORCE)),
-)
-"""Arrays of one nodal diameter, see `_reduced`."""
+@dataclass(frozen=True, kw_only=True)
+class ReducedWave(Rotating[ComplexArray]):
+    """Lowest modes of one nodal diameter, in which mass and stiffness are diagonal. Rows belong to
+    the first sector; what the file does not give has no rows."""
+
+    FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "root")
+    ROWS: ClassVar[tuple[str, ...]] = ("contact", *RECOVERED)
+
+    contact: ComplexArray  #: displacements of the contact nodes [kg^-1/2], (3c, modes)
+    points: ComplexArray  #: displacements of the points [kg^-1/2], (3p, modes)
+    strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, modes)
+    stresses: ComplexArray  #: stresses at the points [Pa kg^-1/2/m], (6p, modes)
+    points_by_force: ComplexArray
+    """Displacements by contact forces without their part in the modes [m/N], (3p, 3c)."""
+    strains_by_force: ComplexArray  #: strains by the same [1/N], (gauges, 3c)
+    stresses_by_force: ComplexArray  #: stresses by the same [Pa/N], (6p, 3c)
+    residual: ComplexArray  #: residual flexibility of the contact nodes [m/N], (3c, 3c)
+    steady: FloatArray
+    """Stress by the centrifugal forces at 1 rad/s [Pa s2], (6p,), see `ReducedStress`; empty if
+    they are not known, and for nodal diameters other than 0."""
+    root: ComplexArray | None = None  #: see `ReducedSuperelement.root`
+    shapes: ComplexArray | None = None  #: the modes in the block that they come from
+
+    @property
+    def squares(self) -> FloatArray:
+        """Squared frequencies [rad2/s2], (modes,)."""
+        return diagonal(self.stiffness).real
 
 
 def massless_wheel(
@@ -77,15 +101,10 @@ def massless_wheel(
     def compute() -> Arrays:
         with sector_errors(RIGID_SECTOR):
             sector = Sector(part, sectors, modes=modes, loads=3 * part.contacts, rigid=False)
-            found = sector.each_wave(lambda wave: _reduced(part, wave, modes))
-            return {
-                f"{name}_{k}": array for k, one in enumerate(found) for name, array in one.items()
-            }
+            return flattened(sector.each_wave(lambda wave: _reduced(part, wave, modes)))
 
     kept = compute() if file is None else kept_reduction(file, part, (sectors, modes), compute)
-    names = (*WAVE, *(key for key in FURTHER if getattr(part, key) is not None))
-    waves = [{name: kept[f"{name}_{k}"] for name in names} for k in range(sectors // 2 + 1)]
-    return _expanded(part, sectors, waves)
+    return _expanded(part, sectors, restored(ReducedWave, sectors // 2 + 1, kept))
 
 
 class WheelOverSpeeds:
@@ -111,27 +130,17 @@ class WheelOverSpeeds:
             SuperelementError: as for `massless_wheel`.
         """
         self._part, self._sectors, self._modes = part, sectors, modes
-        self._given = [key for key in FURTHER if getattr(part, key) is not None]
         own = part.blade_stiffness
 
         def compute() -> Arrays:
             found = sector_blocks(part, sectors, modes + FURTHER_MODES, highest, touched=True)
-            arrays: dict[str, FloatArray] = {}
-            if own is not None:
-                matrix = sp.csr_array(own)
-                arrays["products"] = blade_products(matrix, [each.blade for each in found.values()])
-            for k, block in found.items():
-                values = vars(block) | {"blade": np.zeros((0, block.size))}
-                arrays |= {f"{name}_{k}": one for name, one in values.items() if one is not None}
-            return arrays
+            arrays = flattened(replace(each, blade=None) for each in found.values())
+            fields = [each.blade for each in found.values() if each.blade is not None]
+            return arrays | ({} if own is None else {"products": blade_products(own, fields)})
 
         kept = kept_reduction(file, part, (sectors, modes, highest), compute)
         self._products = kept.get("products")
-        names = [field.name for field in fields_of(NodalBlock)]
-        self._blocks = [
-            NodalBlock(**{name: kept.get(f"{name}_{k}") for name in names})  # type: ignore[arg-type]
-            for k in range(sectors // 2 + 1)
-        ]
+        self._blocks = restored(NodalBlock, sectors // 2 + 1, kept)
 
     def at(
         self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()
@@ -148,11 +157,9 @@ class WheelOverSpeeds:
         """
         sectors, modes = self._sectors, self._modes
         if factor is None:
-            waves = [
-                _of_block(block, omega, modes, self._given, others=others) for block in self._blocks
-            ]
+            waves = [_of_block(block, omega, modes, others=others) for block in self._blocks]
             return _expanded(self._part, sectors, waves)
-        waves = [_of_block(block, omega, modes, self._given, static=True) for block in self._blocks]
+        waves = [_of_block(block, omega, modes, static=True) for block in self._blocks]
         wheel, reduced = _expanded(self._part, sectors, waves)
         change = change_of_waves(self._coupled(waves), factor)
         order = _order(waves, sectors)
@@ -161,38 +168,40 @@ class WheelOverSpeeds:
     def blades_at(self, omega: float) -> FloatArray:
         """Return the stiffness of each blade on the modes of `at` at a speed [rad/s] [1/s2],
         (sectors, modes, modes)."""
-        waves = [_of_block(block, omega, self._modes, self._given) for block in self._blocks]
+        waves = [_of_block(block, omega, self._modes) for block in self._blocks]
         coupled, order = self._coupled(waves), _order(waves, self._sectors)
         each = (change_of_waves(coupled, 1.0 + unit) for unit in np.eye(self._sectors))
         return np.array([change[order][:, order] for change in each])
 
-    def _coupled(self, waves: Sequence[Arrays]) -> ComplexArray:
+    def _coupled(self, waves: Sequence[ReducedWave]) -> ComplexArray:
         assert self._products is not None
-        return coupled_waves(self._products, [wave["shapes"] for wave in waves], self._sectors)
+        shapes = [wave.shapes for wave in waves if wave.shapes is not None]
+        return coupled_waves(self._products, shapes, self._sectors)
 
 
 def _expanded(
-    part: Superelement, sectors: int, waves: Sequence[Arrays]
+    part: Superelement, sectors: int, waves: Sequence[ReducedWave]
 ) -> tuple[Superelement, ReducedSuperelement]:
-    """Return the wheel and its reduction from the arrays of each nodal diameter, see `_reduced`."""
-    rows = 3 * part.contacts
+    """Return the wheel and its reduction from the modes of each nodal diameter."""
+    rows, first = 3 * part.contacts, waves[0]
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
-    frequency, contact, strains, stresses, loads = [], [], [], [], []
-    matrices = (*FURTHER, "root")
-    further: dict[str, list[FloatArray]] = {key: [] for key in matrices if key in waves[0]}
+    coupled = first.given(set(ReducedWave.FORMS) - {"mass", "stiffness"})
+    matrices: dict[str, list[FloatArray]] = {name: [] for name in coupled}
+    loads: dict[str, list[FloatArray]] = {name: [] for name in first.given(first.LOADS)}
+    squares, contact, strains, stresses = [], [], [], []
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
         for phases in _real_waves(k, spread):
-            contact.append(np.vstack([(one * wave["contact"]).real for one in phases]))
-            strains.append(np.vstack([(one * wave["strains"]).real for one in phases]))
-            stresses.append(np.vstack([(one * wave["stresses"]).real for one in phases]))
-            frequency.append(np.sqrt(wave["squares"]))
-            if "loads" in wave:  # those of nodal diameter 0, on all sectors
-                loads.append(np.sqrt(sectors) * wave["loads"].real)
-        for key, blocks in further.items():
-            blocks.append(_on_waves(wave[key], pair=pair))
+            contact.append(np.vstack([(one * wave.contact).real for one in phases]))
+            strains.append(np.vstack([(one * wave.strains).real for one in phases]))
+            stresses.append(np.vstack([(one * wave.stresses).real for one in phases]))
+            squares.append(wave.squares)
+            for name, parts in loads.items():  # those of nodal diameter 0, on all sectors
+                parts.append(np.sqrt(sectors) * getattr(wave, name).real)
+        for name, blocks in matrices.items():
+            blocks.append(_on_waves(getattr(wave, name), pair=pair))
     order = _order(waves, sectors)
-    flexibility = _by_distance([wave["residual"] for wave in waves], sectors)
+    flexibility = _by_distance([wave.residual for wave in waves], sectors)
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
     )
@@ -201,7 +210,7 @@ def _expanded(
         moved = []
         for k, wave in enumerate(waves):
             for phases in _real_waves(k, spread):
-                each = np.stack([(one * wave["points"]).real for one in phases])
+                each = np.stack([(one * wave.points).real for one in phases])
                 each = each.reshape(sectors, -1, 3, each.shape[-1])
                 turned = rotate(each, spread[:, None, None], axis=2)
                 moved.append(turned.reshape(-1, each.shape[-1]))
@@ -211,34 +220,35 @@ def _expanded(
         given = sums.toarray().reshape(sums.shape[0], sectors, -1, 3)
         used = given.any(axis=(0, 1, 3))
         own = rotate(given[:, :, used], -spread[:, None], axis=3).reshape(len(given), sectors, -1)
-        blocks = [wave["points" + BY_FORCE].reshape(-1, 3, rows)[used] for wave in waves]
+        blocks = [wave.points_by_force.reshape(-1, 3, rows)[used] for wave in waves]
         moved = np.zeros((len(given), sectors, rows))
         for n, block in enumerate(_by_distance(blocks, sectors)):
             moved += np.roll(own @ block.reshape(-1, rows), -n, axis=1)
         return moved.reshape(len(given), -1)
 
-    values = np.asarray(np.concatenate(frequency)[order], dtype=np.float64)
+    values = np.concatenate(squares)[order]
     reduced = ReducedSuperelement(
-        frequency=values,
+        **of_modes(values),
+        **{name: la.block_diag(*blocks)[order][:, order] for name, blocks in matrices.items()},
+        **{name: np.concatenate(parts)[order] for name, parts in loads.items()},
+        speed=first.speed,
         contact=np.hstack(contact)[:, order],
         compliance=0.5 * (compliance + compliance.T),
         centre=np.zeros((2, len(values))),
         of_points=points,
         points_by_force=points_by_force,
         strains=np.hstack(strains)[:, order],
-        strains_by_force=_by_distance([wave["strains" + BY_FORCE] for wave in waves], sectors),
+        strains_by_force=_by_distance([wave.strains_by_force for wave in waves], sectors),
         stress=(
             ReducedStress(
                 modes=np.hstack(stresses)[:, order],
-                forces=_by_distance([wave["stresses" + BY_FORCE] for wave in waves], sectors),
-                steady=np.tile(waves[0]["steady"], sectors) if len(waves[0]["steady"]) else None,
+                forces=_by_distance([wave.stresses_by_force for wave in waves], sectors),
+                steady=np.tile(first.steady, sectors) if len(first.steady) else None,
             )
             if part.stress_recovery is not None
             else None
         ),
         kept=len(values),
-        loads=np.vstack(loads)[order].T if loads else np.zeros(0),
-        **{key: la.block_diag(*blocks)[order][:, order] for key, blocks in further.items()},
     )
     return _wheel(part, spread, values), reduced
 
@@ -249,13 +259,13 @@ def _by_distance(blocks: Sequence[ComplexArray], sectors: int) -> FloatArray:
     return np.asarray(np.fft.irfft(blocks, sectors, axis=0))
 
 
-def _order(waves: Sequence[Arrays], sectors: int) -> IntArray:
+def _order(waves: Sequence[ReducedWave], sectors: int) -> IntArray:
     """Return the positions of all real modes, which are nodal diameter by nodal diameter, by
     frequency; as they are with Coriolis forces, which couple the modes of a nodal diameter."""
     twice = (1 + (0 < 2 * k < sectors) for k in range(len(waves)))
-    tiled = [np.tile(wave["squares"], times) for wave, times in zip(waves, twice, strict=True)]
+    tiled = [np.tile(wave.squares, times) for wave, times in zip(waves, twice, strict=True)]
     squares = np.concatenate(tiled)
-    if "gyroscopic" in waves[0]:
+    if waves[0].gyroscopic is not None:
         return np.arange(len(squares))
     return np.argsort(np.sqrt(squares), kind="stable")
 
@@ -269,12 +279,8 @@ def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:
         yield [scale * phase * np.exp(1j * k * angle) for angle in spread]
 
 
-def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
-    """Return the modes of one nodal diameter, all for the first sector: squared frequencies
-    [rad2/s2], (modes,); displacements of contact nodes and points, strains of gauges and stresses
-    of points, (rows, modes) each, and the same by contact forces without their part in the modes,
-    (rows, 3c); the stress by steady rotation, (6p,), see `ReducedStress`; the residual flexibility
-    [m/N], (3c, 3c); and the optional matrices on the modes. What the file does not give is empty.
+def _reduced(part: Superelement, wave: Wave, modes: int) -> ReducedWave:
+    """Return the lowest modes of one nodal diameter.
 
     Raises:
         SuperelementError: there are too few coordinates, or rigid modes.
@@ -296,44 +302,40 @@ def _reduced(part: Superelement, wave: Wave, modes: int) -> Arrays:
         load = (wave.tie.T @ part.centrifugal_load)[:, None]
         still = wave.static(load, shapes) + shapes @ (shapes.T @ load / squares[:, None])
         steady = (rows["stresses"] @ (wave.tie @ still))[:, 0]
-    return {
+    found = part.on_modes(squares, fields)
+    if wave.diameter != 0:
+        found |= dict.fromkeys(part.given(part.LOADS), np.zeros(modes))
+    return ReducedWave(
+        **found,
         **{name: matrix @ fields for name, matrix in rows.items()},
-        **{name + BY_FORCE: matrix @ rest for name, matrix in rows.items()},
-        "steady": steady,
-        "squares": squares,
-        "contact": part.contact_rows @ fields,
-        "residual": 0.5 * (residual + residual.conj().T),
-        **{
-            key: fields.conj().T @ (matrix @ fields)
-            for key in FURTHER
-            if (matrix := getattr(part, key)) is not None
-        },
-    }
+        **{f"{name}_by_force": matrix @ rest for name, matrix in rows.items()},
+        contact=part.contact_rows @ fields,
+        residual=0.5 * (residual + residual.conj().T),
+        steady=steady,
+    )
 
 
 def _of_block(
     block: NodalBlock,
     omega: float,
     modes: int,
-    given: Sequence[str],
     *,
     static: bool = False,
     others: Sequence[float] = (),
-) -> Arrays:
-    """Return the arrays of `_reduced` at a speed [rad/s] from a block, and the shapes of the modes.
+) -> ReducedWave:
+    """Return the lowest modes at a speed [rad/s] from a block, with their shapes.
 
     Args:
         block: matrices of a nodal diameter.
         omega: speed [rad/s].
         modes: number of modes.
-        given: names of the optional matrices that the superelement has.
         static: whether the static displacements under the forces of blades follow the modes, as
             further orthogonal motions with their stiffness.
         others: other speeds [rad/s]; the lowest modes at the first one, and the static
             displacements by the loads of the rotation at all speeds are added, see
             `further_modes.further`.
     """
-    stiffness = block.stiffness + block.change(omega)
+    stiffness = block.stiffness_at(omega)
     squares, shapes = la.eigh(stiffness)
     check_count(len(squares), modes)
     if not squares[0] > 0.0:
@@ -346,37 +348,31 @@ def _of_block(
     steady = block.stresses @ (rest @ moved + shapes @ (loads / squares[:, None]))
     if others:
         limit = stiffest(squares, block.contact @ shapes, block.contact @ by_force)
-        states = [la.eigh(block.stiffness + block.change(speed)) for speed in others]
+        states = [la.eigh(block.stiffness_at(speed)) for speed in others]
         fields = [rest @ moved, states[0][1][:, :modes]]
         fields += [each @ (each.conj().T @ block.loads / own[:, None]) for own, each in states]
         own, added = further(stiffness, np.eye(block.size), shapes, np.hstack(fields), limit)
         by_force = by_force - (added / own) @ (block.contact @ added).conj().T
         shapes, squares = np.hstack([shapes, added]), np.concatenate([squares, own])
-        loads = shapes.conj().T @ block.loads
-    recovered = {name: getattr(block, name) for name in RECOVERED}
-    forced = {name + BY_FORCE: rows @ by_force for name, rows in recovered.items()}
+    forced = {f"{name}_by_force": getattr(block, name) @ by_force for name in RECOVERED}
     if static:
         among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
         own, turn = la.eigh((among.conj().T * stiff) @ among)
         among = among @ turn
         moved = touched @ among
         by_force = by_force - (rest @ among / own) @ moved.conj().T
-        forced["points" + BY_FORCE] = block.points @ by_force
+        forced["points_by_force"] = block.points @ by_force
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
-        loads = shapes.conj().T @ block.loads
-    matrices, residual = {key: getattr(block, key) for key in given}, block.contact @ by_force
-    return {
-        **{name: rows @ shapes for name, rows in recovered.items()},
+    residual = block.contact @ by_force
+    return ReducedWave(
+        **block.on_modes(squares, shapes) | {"speed": omega},
+        **block.projected(shapes, ReducedWave.ROWS),
         **forced,
-        "squares": squares,
-        "shapes": shapes,
-        "contact": block.contact @ shapes,
-        "steady": steady[:, 0].real if block.loads.any() else np.zeros(0),
-        "loads": loads,
-        "residual": 0.5 * (residual + residual.conj().T),
-        "root": shapes.conj().T @ root_of(block.stiffness) @ shapes,
-        **{key: shapes.conj().T @ matrix @ shapes for key, matrix in matrices.items()},
-    }
+        residual=0.5 * (residual + residual.conj().T),
+        steady=steady[:, 0].real if block.loads.any() else np.zeros(0),
+        root=shapes.conj().T @ root_of(block.stiffness) @ shapes,
+        shapes=shapes,
+    )
 
 
 def _on_waves(matrix: ComplexArray, *, pair: bool) -> FloatArray:
@@ -420,33 +416,22 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
         return sp.csr_array(turn @ both @ turn.T)
 
     recovered: dict[str, Any] = {}
-    for key in RECOVERIES:
-        if (rows := getattr(part, key)) is not None:
-            own = sp.kron(sp.eye_array(sectors), rows @ rest)
-            recovered[key] = sp.csr_array((own + sp.kron(step, rows @ on)) @ turn.T)
+    for key, rows in part.given(part.ROWS).items():
+        own = sp.kron(sp.eye_array(sectors), rows @ rest)
+        recovered[key] = sp.csr_array((own + sp.kron(step, rows @ on)) @ turn.T)
     if (moved := recovered.get("recovery")) is not None:
         each = moved.toarray().reshape(sectors, -1, 3, moved.shape[1])
         recovered["recovery"] = rotate(each, spread[:, None, None], axis=2).reshape(moved.shape)
-    loads = {
-        key: turn @ np.tile((rest + on).T @ load, sectors)
-        for key in LOADS
-        if (load := getattr(part, key)) is not None
-    }
+    loads = part.given(part.LOADS).items()
     picture = _wheel(part, spread, np.ones(1))
     offset = tie.shape[1] * np.arange(sectors)[:, None, None]
     dofs = np.where(contact == FIXED, FIXED, contact + offset).reshape(-1, 3)
     return replace(
         picture,
-        mass=assembled(part.mass),
-        stiffness=assembled(part.stiffness),
-        **{
-            key: assembled(matrix)
-            for key in (*FURTHER, "blade_stiffness")
-            if (matrix := getattr(part, key)) is not None
-        },
-        contact_dofs=dofs,
+        **{key: assembled(matrix) for key, matrix in part.given(part.FORMS).items()},
+        **{key: turn @ np.tile((rest + on).T @ load, sectors) for key, load in loads},
         **recovered,
-        **loads,
+        contact_dofs=dofs,
     )
 
 
@@ -460,14 +445,14 @@ def _turned_contact(contact: IntArray, size: int, angle: float) -> sp.csr_array:
     return sp.csr_array(turn)
 
 
-def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Superelement:
+def _wheel(part: Superelement, spread: FloatArray, squares: FloatArray) -> Superelement:
     """Return the nodes and points of a wheel, with diagonal matrices of its modes."""
     positions = rotate(part.contact_position, spread[:, None]).reshape(-1, 3)
-    changes: dict[str, Any] = dict.fromkeys(("strain_recovery", "stress_recovery"))
-    changes |= dict.fromkeys(("young_modulus", "poisson_ratio", *LOADS))
+    changes: dict[str, Any] = dict.fromkeys((*part.FORMS, *part.ROWS, *part.LOADS))
+    changes |= dict.fromkeys(("young_modulus", "poisson_ratio", "left_dofs", "right_dofs"))
     if part.points is not None:
         changes["points"] = rotate(part.points, spread[:, None]).reshape(-1, 3)
-        changes["recovery"] = np.zeros((3 * len(changes["points"]), len(frequency)))
+        changes["recovery"] = np.zeros((3 * len(changes["points"]), len(squares)))
         if part.triangles is not None:
             count = len(part.points)
             changes["triangles"] = np.vstack(
@@ -475,16 +460,7 @@ def _wheel(part: Superelement, spread: FloatArray, frequency: FloatArray) -> Sup
             )
     return replace(
         part,
-        mass=np.eye(len(frequency)),
-        stiffness=np.diag(frequency**2),
-        damping=None,
-        gyroscopic=None,
-        stiffness_speed=None,
-        stiffness_speed4=None,
-        blade_stiffness=None,
+        **{**changes, **of_modes(squares)},
         contact_position=positions,
         contact_dofs=np.full((len(positions), 3), -1),
-        left_dofs=None,
-        right_dofs=None,
-        **changes,
     )

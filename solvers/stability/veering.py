@@ -14,7 +14,7 @@ import scipy.linalg as la
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, gyroscopic_frequencies
+from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen, gyroscopic_frequencies
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.labels import LabelledModes, families_at_speed
 from bladewhirl.models.modal.modal_model import ModalModel
-from bladewhirl.models.rotation.waves import REAL, Waves
+from bladewhirl.models.structure.waves import REAL, Waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
 from bladewhirl.studies.runs.columns import quantity
 

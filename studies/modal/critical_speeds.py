@@ -6,8 +6,8 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.rotation.critical_speeds import ELLIPTIC_ORDERS, orders_of
-from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.stage.modal import Modelled, modal_model
+from bladewhirl.models.structure.waves import Waves
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.modal.veering import spring_stiffnesses
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table

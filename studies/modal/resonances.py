@@ -16,7 +16,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.touching import held
-from bladewhirl.models.rotation.waves import Waves
+from bladewhirl.models.structure.waves import Waves
 from bladewhirl.studies.modal.campbell_at_speed import names_at
 from bladewhirl.studies.runs.columns import Column, quantity
 

@@ -9,15 +9,15 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.rotation.at_speed import speed_of_growth, static_displacement, tip_growth
-from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.rotation.matrices import RotationMatrices, axial_force, rotation_matrices
 from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
+from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 from bladewhirl.studies.verification.stages import bladed_disk, steel
 

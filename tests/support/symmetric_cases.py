@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from solid_meshes import STEEL, TIE, Array, bladed_sector, grid_mesh
 
 import bladewhirl as bw
-from bladewhirl.models.superelements.superelement import FIXED, LOADS, SQUARE, Superelement
+from bladewhirl.models.superelements.superelement import FIXED, Superelement
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
@@ -359,15 +359,12 @@ def reflected(part: Superelement, axis: int) -> Superelement:
         sign[dofs[axis][dofs[axis] != FIXED]] = -1.0
     turns = -1.0 if axis == 1 else 1.0  # of what is odd in the speed
     matrices: dict[str, Any] = {}
-    for key in SQUARE:
-        matrix = getattr(part, key)
-        if matrix is not None:
-            scale = turns if key == "gyroscopic" else 1.0
-            matrices[key] = scale * (sp.diags_array(sign) @ matrix @ sp.diags_array(sign))
+    for key, matrix in part.given(part.FORMS).items():
+        scale = turns if key == "gyroscopic" else 1.0
+        matrices[key] = scale * (sp.diags_array(sign) @ matrix @ sp.diags_array(sign))
     loads: dict[str, Any] = {
         key: (turns if key == "euler_load" else 1.0) * sign * load
-        for key in LOADS
-        if (load := getattr(part, key)) is not None
+        for key, load in part.given(part.LOADS).items()
     }
     flipped = np.ones(3)
     flipped[axis] = -1.0

@@ -14,10 +14,10 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.loads import unbalance
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
 
 WAYS = ("backward", "forward")
 THIN = oracle("rotation")["stages"]["0.01"]

@@ -13,15 +13,15 @@ from bladewhirl.models.elements.cyclic import SectorLayout
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.rotation.at_speed import speed_of_growth, static_displacement
-from bladewhirl.models.rotation.eigenproblems import (
-    damped_eigenvalues,
-    lowest_gyroscopic_eigen,
-    modal_damping,
-)
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import internal_growth
 from bladewhirl.models.rotation.whirl_modes import WhirlModes, directions, travelling, whirl_modes
 from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.structure.eigenproblems import (
+    damped_eigenvalues,
+    lowest_gyroscopic_eigen,
+    modal_damping,
+)
 
 THREAD = Section(width=1e-4, thickness=1e-4, young_modulus=1.0, density=1e-3)
 

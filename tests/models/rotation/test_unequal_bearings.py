@@ -5,10 +5,10 @@ import pytest
 from stages import bladed_disk
 
 from bladewhirl.models.coupling.equations import difference_of_axes
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_unequal_bearings
 from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen
 
 HALF = 4e6  #: half the difference of the bearings [N/m]
 

@@ -8,11 +8,11 @@ import pytest
 from stages import bladed_disk
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.waves import waves as waves_of
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
+from bladewhirl.models.structure.rotating import Effects
+from bladewhirl.models.structure.waves import Waves
 
 
 @pytest.fixture
@@ -32,8 +32,8 @@ def waves() -> Waves:
         nodal_diameter=3,
         mass=2.0 * np.eye(3) + hermitian(0.1),
         stiffness=np.diag([4.0, 9.0, 16.0]) + hermitian(0.1),
-        coriolis=np.asarray(0.1 * (coriolis - coriolis.conj().T)),
-        softening=hermitian(0.05),
+        gyroscopic=np.asarray(0.2 * (coriolis - coriolis.conj().T)),
+        stiffness_speed=hermitian(0.05),
         springs=np.diag([1.0, 0.0, 0.0]).astype(np.complex128),
     )
 
@@ -53,10 +53,10 @@ def test_the_fourth_power_of_the_speed_stiffens_a_wave() -> None:
     parts: Any = {
         "mass": one,
         "stiffness": 4e4 * one,
-        "coriolis": 0.0 * one,
-        "softening": 0.5 * one,
+        "gyroscopic": 0.0 * one,
+        "stiffness_speed": 0.5 * one,
     }
-    wave = Waves(nodal_diameter=0, springs=0.0 * one, softening4=1e-5 * one, **parts)
+    wave = Waves(nodal_diameter=0, springs=0.0 * one, stiffness_speed4=1e-5 * one, **parts)
     exact = np.sqrt(4e4 + 0.5 * 200.0**2 + 1e-5 * 200.0**4)
     assert wave.frequencies(200.0).real == pytest.approx([exact, -exact])
 

@@ -16,7 +16,6 @@ from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.stage.varying_speed import Rotation
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
 from bladewhirl.postprocess.run.summary import summarise
@@ -150,7 +149,7 @@ def test_contact_nodes_are_where_statics_place_them(tmp_path: Path, kind: str) -
     rows, pull = part.contact_rows, part.loads[:, :1]
 
     def steady(omega: float, force: Any) -> Any:
-        stiffness = dense(at_speed(part, omega, coriolis=True).stiffness) + np.diag(springs)
+        stiffness = dense(part.at(omega).stiffness) + np.diag(springs)
         forces = in_wall_axes(force.T, -problem.slope)
         loads = omega**2 * pull + rows.T @ forces
         moved = rows @ np.linalg.solve(stiffness, loads) / stage.factor
@@ -330,7 +329,7 @@ def test_a_wheel_with_massless_ends_has_its_frequencies_above_its_critical_speed
     wheel = solid(case, tmp_path, "massless", free_interface_modes=20)
     stage = superelement_stage(wheel)
     part: Any = bw.read_superelement(stage.table.file)
-    stiffness = dense(at_speed(part, 900.0, coriolis=True).stiffness)
+    stiffness = dense(part.at(900.0).stiffness)
     stiffness[part.centre_dofs, part.centre_dofs] += stage.case.shaft.stiffnesses
     exact = la.eigh(stiffness, dense(part.mass), eigvals_only=True)[:20]
     assert exact[1] < 0.0 < exact[2]

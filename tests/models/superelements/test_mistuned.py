@@ -14,7 +14,6 @@ import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.superelement_stage import superelement_stage
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -67,7 +66,7 @@ def test_a_mistuned_sector_of_solids_has_the_modes_of_its_wheel(
     )
     wheel = mistuned_wheel(whole_wheel(sector, SECTORS), factors)
     if effects != "none":
-        wheel = at_speed(wheel, 3000.0, coriolis=False)
+        wheel = wheel.at(3000.0, "centrifugal")
     squares = la.eigh(dense(wheel.stiffness), dense(wheel.mass), subset_by_index=[0, 29])[0]
     found = superelement_stage(case)
     assert found.reduced.frequency[:30] == pytest.approx(np.sqrt(squares), rel=1e-7)

@@ -9,7 +9,6 @@ from symmetric_cases import leaning_blade
 
 import bladewhirl as bw
 from bladewhirl.models.superelements import solver
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.reduction import (
     Root,
@@ -204,7 +203,7 @@ def test_damping_of_large_structures_follows_from_their_lowest_modes(
 ) -> None:
     """The root of the stiffness at rest, on few modes at a speed that changes their shapes."""
     part = bw.mesh3d(leaning_blade((3, 1, 1)), **STEEL, coriolis=True)
-    turning = at_speed(part, 1500.0, coriolis=True)
+    turning = part.at(1500.0)
     exact = consistent(turning, 10, 10, root_at_rest(part)).root
     on_shapes = consistent(turning, 10, 10, root_on(part)).root
     monkeypatch.setattr("bladewhirl.models.superelements.reduction.ALL_MODES", 100)

@@ -11,7 +11,6 @@ from solid_meshes import Array
 from symmetric_cases import marched, write_parts
 
 import bladewhirl as bw
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
 from bladewhirl.postprocess.fields.point_stresses import VON_MISES, PointStresses
@@ -43,7 +42,7 @@ def case(folder: Path, kind: str, copies: int, march: dict[str, Any], **more: An
 
 def steady(part: Any, speed: float) -> Array:
     """Displacements of all unknowns in the state of steady rotation."""
-    stiffness = dense(at_speed(part, speed, coriolis=True).stiffness)
+    stiffness = dense(part.at(speed).stiffness)
     return np.asarray(np.linalg.solve(stiffness, speed**2 * part.centrifugal_load))
 
 
@@ -132,7 +131,7 @@ def test_a_run_up_of_a_blade_is_that_of_all_unknowns(parts: Path) -> None:
     def at(time: float) -> tuple[Array, Array, Array]:
         """Stiffness, velocity matrix and force."""
         speed, rate = float(course.speed(time)), float(course.acceleration(time))
-        stiffness = dense(at_speed(part, speed, coriolis=True).stiffness) + 0.5 * rate * coriolis
+        stiffness = dense(part.at(speed).stiffness) + 0.5 * rate * coriolis
         force = speed**2 * part.centrifugal_load + rate * part.euler_load
         return stiffness, loss + speed * coriolis, np.asarray(force)
 

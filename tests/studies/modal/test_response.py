@@ -17,7 +17,6 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.engine_order import unit_forces
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -258,7 +257,7 @@ def test_a_mistuned_sector_responds_as_its_wheel(effects: str, tmp_path: Path) -
     )
     found = bw.response(own, speeds=[f"{omega} rad/s"]).isel(speed=0)
     wheel = mistuned_wheel(whole_wheel(part, SECTORS), factors)
-    turning = at_speed(wheel, omega, coriolis=True) if effects == "full" else wheel
+    turning = wheel.at(omega) if effects == "full" else wheel
     stiffness, mass = dense(turning.stiffness), dense(wheel.mass)
     squares, shapes = la.eigh(dense(wheel.stiffness), mass)
     weighted = mass @ shapes

@@ -11,7 +11,6 @@ from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import Superelement, dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -74,7 +73,7 @@ def structure(kind: str, part: Superelement, factor: FloatArray, effects: str) -
         part = part if kind == "wheel" else whole_wheel(part, SECTORS)
         if part.blade_stiffness is not None:
             part = mistuned_wheel(part, factor)
-    return at_speed(part, SPEED, coriolis=True) if effects != "none" else part
+    return part.at(SPEED) if effects != "none" else part
 
 
 def forces(kind: str, whole: Superelement, points: IntArray) -> ComplexArray:

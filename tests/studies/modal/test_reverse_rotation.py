@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 import bladewhirl as bw
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.postprocess.fields.kinematics import tip_rows
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import Wave, mode_motion, shapes_dataset

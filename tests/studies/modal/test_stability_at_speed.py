@@ -11,12 +11,12 @@ from places import EXAMPLES
 from stages import bladed_disk, oracle
 
 import bladewhirl as bw
-from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import internal_growth, waves
+from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.solvers.stability.floquet import coupled_floquet, floquet
 from bladewhirl.solvers.stability.growth import (
     coincidence_speeds,

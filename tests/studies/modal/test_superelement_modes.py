@@ -14,9 +14,9 @@ from exported_stages import BLADES, Kind, beams, exported
 from rod_blade import blade, tables
 
 import bladewhirl as bw
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.stage.modal_superelement import modal_superelement
 from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.structure.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.superelements import nodal_blocks
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel

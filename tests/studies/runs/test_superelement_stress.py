@@ -15,7 +15,6 @@ from solid_meshes import STEEL, TIE, bladed_sector, cantilever, grid_mesh
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.superelement_stage import superelement_stage
-from bladewhirl.models.superelements.at_speed import at_speed
 from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement, dense
@@ -157,7 +156,7 @@ def test_stress_of_static_forces_is_exact_with_few_modes(tmp_path: Path) -> None
     static["rotor_velocity"] = ("time", "rotor_mode"), 0.0 * modal
     forces = np.tile(force.reshape(-1, 3), (2, 1, 1))
     static["contact_force"] = result["contact_force"].isel(time=[0, 1]).copy(data=forces)
-    turning = at_speed(part, SPEED, coriolis=False)
+    turning = part.at(SPEED, "centrifugal")
     rig: list[dict[str, Any]] = [
         {"type": "strain", "point": point, "direction": [1.0, 0.0, 0.0], "name": "hooke"},
         {"type": "strain", "gauge": 1, "name": "row"},
@@ -212,7 +211,7 @@ def test_stress_of_a_wheel_from_a_sector_is_that_of_the_whole_wheel() -> None:
     """Under forces on two of its sectors, and in steady rotation; in the axes of each sector."""
     part = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=2)
     sectors = TIE["copies"]
-    turning = at_speed(part, SPEED, coriolis=False)
+    turning = part.at(SPEED, "centrifugal")
     _, reduced = massless_wheel(turning, sectors, 3)
     wheel = whole_wheel(turning, sectors)
     force = np.zeros((sectors, 6))
@@ -236,13 +235,13 @@ def test_condensed_and_consistent_superelements_keep_the_stress_of_steady_rotati
     part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL, contacts=3)
     small = condensed(part, 1000.0, 6)
     reductions = [
-        massless(at_speed(part, 1000.0, coriolis=False), 6),
-        massless(at_speed(small, 1000.0, coriolis=False), 6),
-        consistent(at_speed(part, 1000.0, coriolis=False), 6, 6),
+        massless(part.at(1000.0, "centrifugal"), 6),
+        massless(small.at(1000.0, "centrifugal"), 6),
+        consistent(part.at(1000.0, "centrifugal"), 6, 6),
     ]
     steady = [one.stress.steady for one in reductions if one.stress is not None]
     assert part.centrifugal_load is not None
-    expected = solved(at_speed(part, 1000.0, coriolis=False), part.centrifugal_load)
+    expected = solved(part.at(1000.0, "centrifugal"), part.centrifugal_load)
     for one in steady:
         assert one == pytest.approx(expected, abs=1e-6 * abs(expected).max())
     assert len(steady) == 3

@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.models.rotation.eigenproblems import (
+from bladewhirl.models.structure.eigenproblems import (
     Matrix,
     damped_eigenvalues,
     gyroscopic_eigen,
