@@ -6,19 +6,19 @@ Their energy kappa/2 int (w - u)^2 dtheta, Eq. (8), splits into nodal diameters 
 and B_k (bladed disk) contain the cosine and the sine part of the radial displacement of each mode,
 and let R(k Omega t) be the rotation of these two parts. The equations of motion are
 
-    x'' + (D + 2 Omega G) x' + (diag(omega^2) + Omega^2 S + K*(t)) x = 0,
+    x'' + (D + Omega G) x' + (diag(omega^2) + Omega^2 K1 + K*(t)) x = 0,
     K*(t) = sum_k f_k kappa C_k^T C_k,    C_k = A_k - R(k Omega t) B_k,
 
-with f_0 = 2 pi and f_k = pi for k > 0. G is the Coriolis matrix and S = K_G1 - M_t (see
-`rotation.matrices`), both in coordinates of the modes at rest. Stationary shaft springs of unequal
+with f_0 = 2 pi and f_k = pi for k > 0. G and K1 are the matrices of the rotation (see
+`structure.rotating`) in coordinates of the modes at rest. Stationary shaft springs of unequal
 stiffness add `anisotropy` times X^T X - Y^T Y to the stiffness, where X and Y are the displacements
 of the centre along the static axes.
 
 For each turn of the rotor, exp(Omega t J) rotates the cosine-sine pairs of the casing by k turns
-more than those of the bladed disk. If A_k, B_k, D, G and S commute with J and there is no
+more than those of the bladed disk. If A_k, B_k, D, G and K1 commute with J and there is no
 anisotropy, the frame x = exp(Omega t J) y makes the equations autonomous:
 
-    y'' + (D + 2 Omega (J + G)) y' + (K(0) + Omega^2 (J^2 + S + 2 G J) + Omega D J) y = 0.
+    y'' + (D + Omega (2 J + G)) y' + (K(0) + Omega^2 (J^2 + K1 + G J) + Omega D J) y = 0.
 
 Equation (16) is the frame in which the casing turns by k/2 and the bladed disk by -k/2. The
 printed Eq. (9) does not follow from Eq. (8): the printed equation does not couple the two rotor
@@ -36,6 +36,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.structure.rotating import Rotating
 
 Matrix = TypeVar("Matrix", FloatArray, ComplexArray)
 
@@ -45,16 +46,12 @@ class CoupledEquations:
     """Mass-normalised equations of motion of modes that are coupled by springs."""
 
     name: tuple[str, ...]  #: names for tables; modes may share a name
-    frequency: FloatArray
-    """Natural frequency without the springs [rad/s], (modes,); negative if its square is negative.
-    """
-    damping: FloatArray  #: D [1/s], (modes, modes)
+    structure: Rotating[FloatArray]
+    """Both bodies without the springs, in mass-normalised modes, (modes, modes)."""
     harmonics: IntArray  #: nodal diameters k of the radial waves, (harmonics,)
     casing: FloatArray  #: A_k: cosine, sine part on the casing [kg^-1/2], (harmonics, 2, modes)
     rotor: FloatArray  #: B_k: cosine, sine part at tips in rotating axes, (harmonics, 2, modes)
     turning: FloatArray | None  #: J, (modes, modes); None if no autonomous frame exists
-    coriolis: FloatArray | None = None  #: G, (modes, modes); zero if None
-    softening: FloatArray | None = None  #: S, (modes, modes); zero if None
     centre: FloatArray | None = None
     """x and y of the centre in rotating axes [kg^-1/2], (2, modes); used by the anisotropy only."""
     anisotropy: float = 0.0  #: half the difference of the stationary shaft springs [N/m]
@@ -69,9 +66,8 @@ class CoupledEquations:
         return (self,)
 
     def drag(self, speed: ArrayLike) -> FloatArray:
-        """Return D + 2 Omega G at speeds [rad/s] of any shape (...): (..., modes, modes) [1/s]."""
-        twice = 2.0 * np.asarray(speed)[..., None, None]
-        return self.damping + twice * (0.0 if self.coriolis is None else self.coriolis)
+        """Return D + Omega G at speeds [rad/s] of any shape (...): (..., modes, modes) [1/s]."""
+        return self.structure.drag(np.asarray(speed)[..., None, None])
 
     @property
     def factors(self) -> FloatArray:
@@ -88,15 +84,12 @@ class CoupledEquations:
         rows = self.casing, self.rotor
         return spring_stiffness(*rows, self.harmonics, kappa * self.factors, angle)
 
-    def stiffness(self, angle: ArrayLike, kappa: float, *, speed: float = 0.0) -> FloatArray:
+    def stiffness(self, angle: ArrayLike, kappa: float, *, speed: ArrayLike = 0.0) -> FloatArray:
         """Return the stiffness matrix of the coordinates x; see `springs` for the arguments.
 
-        ``speed``, Omega [rad/s], only scales the softening, Omega^2 S.
+        ``speed``, Omega [rad/s], only scales the change of the stiffness, Omega^2 K1.
         """
-        stiffness = self.springs(angle, kappa)
-        stiffness += np.diag(self.frequency * np.abs(self.frequency))
-        if self.softening is not None:
-            stiffness += speed**2 * self.softening
+        stiffness = self.springs(angle, kappa) + self.structure.stiffness_at(np.asarray(speed))
         if self.centre is not None:
             stiffness += self.anisotropy * difference_of_axes(self.centre, angle)
         return stiffness
@@ -118,15 +111,12 @@ class CoupledEquations:
         omega = np.asarray(speed, dtype=np.float64)[..., None, None]
         if self.turning is None and np.any(speed):
             raise ValueError("no frame makes the equations of this stage autonomous")
-        turn = np.zeros_like(self.damping) if self.turning is None else self.turning
+        structure = self.structure
+        turn = np.zeros_like(structure.mass) if self.turning is None else self.turning
         unit_springs = self.springs(0.0, 1.0)
-        stiffness = self.stiffness(0.0, 0.0) + kappa[..., None, None] * unit_springs
-        square = turn @ turn
-        if self.coriolis is not None:
-            square = square + 2.0 * self.coriolis @ turn
-        if self.softening is not None:
-            square = square + self.softening
-        stiffness = stiffness + omega**2 * square + omega * (self.damping @ turn)
+        stiffness = self.stiffness(0.0, 0.0, speed=omega) + kappa[..., None, None] * unit_springs
+        # The frame turns: (D + Omega G) Omega J and Omega^2 J^2 act on y.
+        stiffness = stiffness + omega**2 * (turn @ turn) + omega * (structure.drag(omega) @ turn)
         return self.drag(speed) + 2.0 * omega * turn, stiffness
 
     def state_matrix(self, speed: ArrayLike, kappa: ArrayLike) -> FloatArray:
@@ -148,7 +138,7 @@ class CoupledEquations:
             np.asarray(part[..., ::2, ::2] + 1j * part[..., 1::2, ::2], dtype=np.complex128)
             for part in self.autonomous(speed, kappa)
         )
-        unit = float(np.abs(self.frequency).max()) or 1.0
+        unit = float(np.sqrt(np.abs(np.diag(self.structure.stiffness)).max())) or 1.0
         matrix = companion(stiffness, np.asarray(1j * drag, dtype=np.complex128), unit)
         return matrix if matrix.imag.any() else matrix.real
 
@@ -163,7 +153,7 @@ class CoupledEquations:
             speed: Omega [rad/s].
             time: instants [s], (times,).
         """
-        turn = np.zeros_like(self.damping) if self.turning is None else speed * self.turning
+        turn = np.zeros_like(self.structure.mass) if self.turning is None else speed * self.turning
         phase = np.multiply.outer(time, np.sqrt(-np.diag(turn @ turn)))
         cosine, quarter = np.cos(phase), time[:, None] * np.sinc(phase / np.pi)
         x, rotated = (cosine * part + quarter * (part @ turn.T) for part in (y, rate))

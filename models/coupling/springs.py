@@ -24,6 +24,7 @@ from bladewhirl.models.coupling.equations import (
     spring_stiffness,
     wave_integrals,
 )
+from bladewhirl.models.structure.rotating import Rotating
 
 ANGLES = 181
 """Number of angles of the rotor at which frequencies are computed if they depend on the angle."""
@@ -50,9 +51,9 @@ class CouplingModes:
     amplitude: FloatArray  #: radial amplitude at the springs [kg^-1/2], (entries,)
     damping_ratio: FloatArray  #: modal damping ratio of each entry, (entries,)
     paired: BoolArray  #: true for a cosine/sine pair, (entries,)
-    coriolis: FloatArray | None = None
-    """G of the coordinates for Omega = 1 rad/s, zero on the casing, (size, size); None if zero."""
-    softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, (size, size)
+    gyroscopic: FloatArray | None = None
+    """G of the coordinates, zero on the casing, (size, size); None if zero, see `equations`."""
+    stiffness_speed: FloatArray | None = None  #: K1 of the coordinates, (size, size)
     with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
 
     @property
@@ -112,14 +113,17 @@ class CouplingModes:
         turning[cosine, cosine + 1] = -self.frame_rate[self.paired]
         return CoupledEquations(
             name=self.name,
-            frequency=self.frequency[entry],
-            damping=np.diag(self.damping_rate[entry]),
+            structure=Rotating(
+                mass=np.eye(self.size),
+                stiffness=np.diag(self.frequency[entry] * np.abs(self.frequency[entry])),
+                damping=np.diag(self.damping_rate[entry]),
+                gyroscopic=self.gyroscopic,
+                stiffness_speed=self.stiffness_speed,
+            ),
             harmonics=np.array(self.harmonics),
             casing=np.where(casing, rows, 0.0),
             rotor=np.where(casing, 0.0, rows),
             turning=turning,
-            coriolis=self.coriolis,
-            softening=self.softening,
             pairs=bool(np.all(self.paired)),
             with_pi=self.with_pi,
         )
@@ -143,11 +147,10 @@ class CouplingModes:
         arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:7]}
         coordinates = [c for i in kept for c in np.flatnonzero(self.entry == i)]
         among = np.ix_(coordinates, coordinates)
-        coriolis, softening = (
-            m if m is None else m[among] for m in (self.coriolis, self.softening)
-        )
-        name = tuple(self.name[i] for i in kept)
-        return replace(self, name=name, coriolis=coriolis, softening=softening, **arrays)
+        for key in ("gyroscopic", "stiffness_speed"):
+            if (matrix := getattr(self, key)) is not None:
+                arrays[key] = matrix[among]
+        return replace(self, name=tuple(self.name[i] for i in kept), **arrays)
 
     def harmonic(self, k: int) -> "CouplingModes":
         """Return only the modes of nodal diameter k."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +13,10 @@ from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import wave_parts
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.modes import ModeTable
-from bladewhirl.models.rotation.matrices import RotationMatrices
-from bladewhirl.models.structure.rotating import Effects
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
@@ -64,27 +64,27 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
     return StageModes(modes=coupled.modes, number=coupled.number, modal=modal)
 
 
-def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) -> StageModes:
-    """Add the Coriolis and softening matrices of the rotor to the coupled modes.
+def at_speed(stage: StageModes, structure: Structure) -> StageModes:
+    """Add the change of the stiffness by rotation and any Coriolis forces to the coupled modes.
 
     Args:
         stage: coupled modes at rest.
-        matrices: rotation matrices of the bladed disk.
-        effects: rotation effects of the case, not "none".
+        structure: structure of the bladed disk.
     """
     modes = stage.modes
     coordinates, numbers = stage.coordinates(on_casing=False)
     fields = stage.modal.disk_modes.fields(numbers)
     among = np.ix_(coordinates, coordinates)
-    coriolis, softening = np.zeros((2, modes.size, modes.size))
-    if effects == "full":
-        coriolis[among] = fields.T @ (matrices.coriolis @ fields)
-    softening[among] = fields.T @ ((matrices.geometric - matrices.mass) @ fields)
     mirrored = modes.is_sine[:, None] == modes.is_sine
-    for matrix, forbidden in ((coriolis, mirrored), (softening, ~mirrored)):
+    found: dict[str, Any] = {}
+    for name, small in structure.projected(fields, ("gyroscopic", "stiffness_speed")).items():
+        matrix = np.zeros((modes.size, modes.size))
+        matrix[among] = small
+        forbidden = mirrored if name == "gyroscopic" else ~mirrored
         if np.abs(matrix[forbidden]).max() <= ROUNDING * np.abs(matrix).max():
             matrix[forbidden] = 0.0  # the disk has mirror symmetry
-    return replace(stage, modes=replace(modes, coriolis=coriolis, softening=softening))
+        found[name] = matrix
+    return replace(stage, modes=replace(modes, **found))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.structure.rotating import Rotating
 
 
 def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
@@ -105,8 +106,9 @@ def coupled_waves(
         damping = np.diag(2.0 * case.damping.ratio * frequency) + dampers.T @ dampers
     return CoupledEquations(
         name=_names(modal, on_rotor, on_casing, by_family=by_family),
-        frequency=frequency,
-        damping=damping,
+        structure=Rotating(
+            mass=np.eye(size), stiffness=np.diag(frequency * np.abs(frequency)), damping=damping
+        ),
         harmonics=harmonics,
         casing=waves[1],
         rotor=waves[0],

@@ -121,6 +121,24 @@ class BladedDiskModel:
         points = self.mesh.points[self.model.tips]
         return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
 
+    @property
+    def rotates(self) -> bool:
+        """True if the structure is that at a speed."""
+        return self.structure.at_rest is not None
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation of the structure [rad/s]; 0 at rest."""
+        return self.structure.speed or 0.0
+
+    def growth(self, omega: float | None = None) -> FloatArray:
+        """Return the radial growth of each tip by steady rotation [m], (blades,), at a speed
+        [rad/s], by default that of the structure; zero without effects of the rotation."""
+        if not self.rotates:
+            return np.zeros(len(self.tip_radial))
+        at = self.speed if omega is None else omega
+        return self.structure.static_displacement(at)[self.tip_radial]
+
     def blade_columns(self, column: IntArray) -> IntArray:
         """Convert DFT columns over the sectors to DFT columns over the blades, (modes,).
 

@@ -1,42 +1,99 @@
 """Finite element structure: its matrices, its table of degrees of freedom and its sectors."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import SectorLayout
+from bladewhirl.models.structure.rotating import Effects, Rotating
+from bladewhirl.models.structure.waves import Waves
 
 
 @dataclass(frozen=True, kw_only=True)
-class Structure:
-    """Mass and stiffness of a structure on its free degrees of freedom, sparse and symmetric."""
+class Structure(Rotating[sp.csr_array]):
+    """A structure on its free degrees of freedom, with sparse matrices in m, kg, s and rad; the
+    stiffness includes springs."""
 
-    mass: sp.csr_array  #: mass matrix [kg, kg m, kg m2], (size, size)
-    stiffness: sp.csr_array  #: stiffness with springs [N/m, N, N m], (size, size)
+    FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "springs", "translated")
+
     springs: sp.csr_array  #: part of `stiffness` due to springs, (size, size)
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 if fixed
     layout: SectorLayout | None  #: sectors; None for a structure without sectors
     constraints: FloatArray
     """Fields v to which every motion x is orthogonal, v^T M x = 0, (size, constraints); may be
     empty."""
+    translated: sp.csr_array = None
+    """Mass matrix M_t of the translations, on which the rotation acts, (size, size); None if it is
+    not known. It is part of `stiffness_speed` with a negative sign."""
+    inertia: float = 0.0
+    """Moment of inertia of the undeformed structure about the axis [kg m2]; with `translated`."""
     at_rest: "Structure | None" = None
-    """The structure without rotation effects; None if this structure has no rotation effects."""
-    gyroscopic: sp.csr_array | None = None
-    """Skew matrix 2 Omega G of the Coriolis forces, which multiplies velocities
-    [N s/m, N s, N m s], (size, size)."""
+    """The structure at rest; None if this structure has no rotation effects."""
+
+    @property
+    def still(self) -> "Structure":
+        """The structure at rest."""
+        return self if self.at_rest is None else self.at_rest
 
     @property
     def elastic(self) -> sp.csr_array:
         """Stiffness without rotation effects, positive definite if the structure is supported."""
-        return self.stiffness if self.at_rest is None else self.at_rest.stiffness
+        return self.still.stiffness
 
-    @property
-    def size(self) -> int:
-        """Number of free degrees of freedom."""
-        return int(self.mass.shape[0])
+    def at(self, omega: float, effects: Effects = "full") -> "Structure":
+        """Return the structure linearised about its state of steady rotation.
+
+        Args:
+            omega: speed of rotation [rad/s], counter-clockwise.
+            effects: rotation effects to include; for "none", the structure itself is returned.
+        """
+        return self if effects == "none" else replace(super().at(omega, effects), at_rest=self)
+
+    @cached_property
+    def growth(self) -> FloatArray:
+        """Static displacement K^-1 M_t X for a speed of 1 rad/s [m s2, s2], (size,)."""
+        return np.asarray(spla.spsolve(self.elastic.tocsc(), self.centrifugal_load))
+
+    def static_displacement(self, omega: float, *, follows: bool = True) -> FloatArray:
+        """Return the static displacement u due to steady rotation, (size,).
+
+        Args:
+            omega: speed of rotation [rad/s].
+            follows: let the load increase with the displacement: (K - Omega^2 M_t) u = Omega^2 M_t
+                X. If false, u is proportional to Omega^2; it is then 0.02 % smaller at the
+                reference frequency.
+        """
+        if not follows:
+            return omega**2 * self.growth
+        softened = sp.csc_array(self.elastic - omega**2 * self.translated)
+        return np.asarray(spla.spsolve(softened, omega**2 * self.loads[:, 0]))
+
+    def displaced(self, displacement: FloatArray) -> "Structure":
+        """Return the structure with the loads of the rotation in a displaced state, (size,), and
+        its moment of inertia."""
+        (centrifugal, euler), moved = self.loads.T, self.translated @ displacement
+        return replace(
+            self,
+            centrifugal_load=centrifugal + moved,
+            euler_load=euler - self.coriolis @ displacement,
+            inertia=float(self.inertia + displacement @ (2.0 * centrifugal + moved)),
+        )
+
+    def wave(self, k: int) -> Waves:
+        """Return the matrices of nodal diameter k, with the stiffness at rest.
+
+        Raises:
+            ValueError: the sectors are not equal.
+        """
+        if not self.still.is_cyclic or self.layout is None:
+            raise ValueError("waves of one nodal diameter need equal sectors")
+        blocks = self.still.projected(self.layout.basis(k), Waves.FORMS)
+        return Waves(nodal_diameter=k, **{name: block.toarray() for name, block in blocks.items()})
 
     @cached_property
     def is_cyclic(self) -> bool:

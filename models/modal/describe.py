@@ -13,7 +13,7 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import ALONG, OUTWARD, CasingModel
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess
+from bladewhirl.models.rotation.at_speed import tip_recess
 
 DRAWN = (
     *("thickness", "width", "young_modulus"),
@@ -27,23 +27,20 @@ def stage_arrays(
     disk: BladedDiskModel,
     disk_modes: Modes,
     disk_family: tuple[str, ...],
-    turning: TurningDisk | None,
     **wall: Any,
 ) -> StageArrays:
     """Return the arrays of a stage with given modes of bladed disk and casing.
 
     Args:
         case: case of the stage.
-        disk: the bladed disk.
+        disk: the bladed disk at the speed of the case.
         disk_modes: modes of the full or the reduced bladed disk, with fields on the free DoF.
         disk_family: family of each mode of the bladed disk, (rotor modes,).
-        turning: the bladed disk at speed; None without rotation effects.
         wall: arrays of the wall by name: `casing_arrays` of a flexible casing, `wall_angle` and
             `clearance`.
     """
     model, mesh, shaft, tips = disk.model, disk.mesh, case.shaft, disk.mesh.node_sets["tips"]
     shape, centre = disk.cartesian(disk_modes.shapes), int(mesh.node_sets["centre"][0])
-    growth = np.zeros(len(disk.tip_radial)) if turning is None else turning.growth
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
         rotor_backward_frequency=disk_modes.frequency,
@@ -66,8 +63,8 @@ def stage_arrays(
         contact_radius=np.linalg.norm(mesh.points[tips], axis=1),
         axial_position=np.zeros(len(tips)),
         tip_angle=disk.tip_angles,
-        tip_recess=tip_recess(case, disk, turning),
-        tip_growth=growth,
+        tip_recess=tip_recess(case, disk),
+        tip_growth=disk.growth(),
         centre_node=centre,
         centre_shape=shape[centre, :2],
         shaft_frame=shaft.frame,

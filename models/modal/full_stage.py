@@ -6,10 +6,9 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
@@ -31,16 +30,13 @@ from bladewhirl.models.modal.modal_model import (
     UNEQUAL_SECTORS,
     LabelledWhirlModes,
     ModalModel,
-    ShaftBlock,
 )
 from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.modal.touching import Tips
-from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth, turning_disk
+from bladewhirl.models.rotation.at_speed import speed_of_growth, turning_disk
 from bladewhirl.models.rotation.critical_speeds import shaft_waves
-from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, whirl_modes
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.models.structure.waves import Waves
@@ -119,14 +115,14 @@ class ModalStage(ModalModel):
     casing: CasingModel
     free_modes: LabelledModes
     clamped_modes: LabelledModes
-    at_speed: tuple[TurningDisk, ...] | None
-    """Bladed disk at speed with a free and with a clamped centre; None without rotation effects."""
+    at_speed: tuple[BladedDiskModel, BladedDiskModel]
+    """Bladed disk at the speed of the case with a free and with a clamped centre; at rest without
+    rotation effects."""
 
     @property
-    def turning(self) -> TurningDisk | None:
-        """Bladed disk at speed, with a free or clamped centre as the case requires; None without
-        rotation effects."""
-        return None if self.at_speed is None else self.at_speed[int(self.case.shaft.clamped)]
+    def turning(self) -> BladedDiskModel:
+        """Bladed disk at the speed of the case, with a free or clamped centre as it requires."""
+        return self.at_speed[int(self.case.shaft.clamped)]
 
     @cached_property
     def free_whirl(self) -> LabelledWhirlModes | None:
@@ -147,9 +143,9 @@ class ModalStage(ModalModel):
     def _whirl(self, centre: int) -> LabelledWhirlModes | None:
         """Compute all whirling modes; for a large bladed disk with unequal sectors only the modes
         of the lowest families."""
-        if self.at_speed is None or self.case.rotation.effects != "full":
+        if self.case.rotation.effects != "full":
             return None
-        structure = self.at_speed[centre].disk.structure
+        structure = self.at_speed[centre].structure
         layout, count = structure.layout, None
         if layout is not None and not structure.is_cyclic and structure.size > DENSE_SIZE:
             count = WHIRL_FAMILIES * layout.sectors
@@ -178,10 +174,7 @@ class ModalStage(ModalModel):
 
     @property
     def waves(self) -> dict[int, Waves]:
-        turning = self.turning
-        if turning is None:
-            turning = TurningDisk(disk=self.disk, matrices=rotation_matrices(self.disk), omega=0.0)
-        return _disk_waves(self.case, turning)
+        return _disk_waves(self.case, self.turning)
 
     @property
     def tips(self) -> dict[int, Tips]:
@@ -198,7 +191,7 @@ class ModalStage(ModalModel):
 
     @property
     def shaft_waves(self) -> Waves:
-        if self.at_speed is None or self.case.rotation.effects != "full":
+        if self.case.rotation.effects != "full":
             raise UserError(
                 'critical speeds: expected rotation.effects = "full" (--set rotation.effects=full),'
                 f" got {self.case.rotation.effects}"
@@ -206,42 +199,28 @@ class ModalStage(ModalModel):
         return _disk_waves(self.case, self.at_speed[0])[1]
 
     @property
-    def shaft_block(self) -> ShaftBlock:
-        disk = self.free_disk if self.at_speed is None else self.at_speed[0].disk
-        structure, layout = disk.structure, disk.structure.layout
-        if layout is None or not structure.is_cyclic:
+    def shaft_block(self) -> Waves:
+        structure = self.at_speed[0].structure
+        if not structure.is_cyclic:
             symmetry = structure.symmetry.partition(":")[0]
             raise UserError(
                 f"veering: expected equal sectors on equal shaft springs, not {symmetry}: only then"
                 " has each mode a single nodal diameter. Use bladewhirl modes for the frequencies"
                 " of this stage"
             )
-        basis = layout.basis(1)  # the whirl of the centre is its last coordinate
-
-        def block(matrix: sp.csr_array) -> ComplexArray:
-            values = np.asarray((basis.conj().T @ matrix @ basis).toarray())
-            return values.conj() if self.speed < 0.0 else values
-
-        gyroscopic = structure.gyroscopic
-        return ShaftBlock(
-            mass=block(structure.mass),
-            stiffness=block(structure.stiffness - structure.springs),
-            elastic=block(structure.elastic - structure.springs),
-            gyroscopic=None if gyroscopic is None else block(gyroscopic),
-        )
+        return structure.wave(1).under(self.effects).on_springs(0.0)
 
     def growth(self, omegas: FloatArray) -> FloatArray | None:
         turning = self.turning
-        if turning is None:
+        if not turning.rotates:
             return None
-        return np.array([turning.growth_at(omega).max() if omega else 0.0 for omega in omegas])
+        return np.array([turning.growth(omega).max() if omega else 0.0 for omega in omegas])
 
     @property
     def clearance_gone(self) -> float:
-        assert self.turning is not None  # `turns`
-        disk = self.turning.disk
+        disk = self.turning
         smallest_gap = self.case.casing.clearance_profile.smallest + disk.model.tip_recess
-        return speed_of_growth(disk, self.turning.matrices, smallest_gap)
+        return speed_of_growth(disk, smallest_gap)
 
     @property
     def disk(self) -> BladedDiskModel:
@@ -284,10 +263,9 @@ class ModalStage(ModalModel):
     ) -> StageArrays:
         return stage_arrays(
             self.case,
-            self.disk,
+            self.turning,
             modes,
             tuple(family[i] for i in disk_modes),
-            self.turning,
             **casing_arrays(
                 self.casing,
                 self.casing_modes.expand(casing_modes),
@@ -298,19 +276,18 @@ class ModalStage(ModalModel):
         )
 
 
-def _disk_waves(case: Case, turning: TurningDisk) -> dict[int, Waves]:
+def _disk_waves(case: Case, disk: BladedDiskModel) -> dict[int, Waves]:
     """Return the waves of each nodal diameter of the bladed disk of a case.
 
     Raises:
         UserError: the sectors of the bladed disk differ.
     """
-    matrices, structure = turning.matrices, turning.matrices.structure
-    if not structure.is_cyclic or structure.layout is None:
+    structure, effects = disk.structure, case.rotation.effects
+    if not structure.still.is_cyclic or structure.layout is None:
         raise UserError(UNEQUAL_SECTORS)
-    effects, sectors = case.rotation.effects, structure.layout.sectors
     return {
-        k: shaft_waves(case, turning) if k == 1 else waves(matrices, k, effects)
-        for k in nodal_diameters(sectors)
+        k: shaft_waves(case, disk) if k == 1 else structure.wave(k).under(effects)
+        for k in nodal_diameters(structure.layout.sectors)
     }
 
 
@@ -332,15 +309,13 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         casing = case_casing(case)
         tell_cost(modal_cost(casing.structure))
         tip = tip_in_sector(free)
-        reference: float | None = None
-        both: list[TurningDisk] = []
+        reference, at_speed = None, (free, clamped)
         if case.rotation.effects != "none":
             lowest = lowest_frequencies(free.structure, 1)
             reference = lowest_frequency(free, (frequencies[0] for frequencies in lowest.values()))
-            turning = (turning_disk(case, each, reference) for each in (free, clamped))
-            both = [disk for disk in turning if disk is not None]
+            at_speed = turning_disk(case, free, reference), turning_disk(case, clamped, reference)
             if case.rotation.effects == "centrifugal":
-                free, clamped = both[0].disk, both[1].disk
+                free, clamped = at_speed
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
         return ModalStage(
             case=case,
@@ -355,5 +330,5 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
                 if case.casing.type == "ring"
                 else no_modes()
             ),
-            at_speed=tuple(both) or None,
+            at_speed=at_speed,
         )

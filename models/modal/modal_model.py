@@ -66,17 +66,6 @@ class LabelledWhirlModes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShaftBlock:
-    """Matrices of nodal diameter 1 without the springs of the shaft, (n, n). The last coordinate is
-    the whirl of the centre along (1, i)/sqrt(2)."""
-
-    mass: ComplexArray  #: mass matrix
-    stiffness: ComplexArray  #: stiffness at the speed of the case
-    elastic: ComplexArray  #: stiffness at rest
-    gyroscopic: ComplexArray | None  #: Coriolis forces at the speed; None without Coriolis forces
-
-
-@dataclass(frozen=True, kw_only=True)
 class PointShapes:
     """Modes at the points of the surface of a bladed disk."""
 
@@ -197,9 +186,9 @@ class ModalModel(ABC):
 
     @property
     @abstractmethod
-    def shaft_block(self) -> ShaftBlock:
-        """Matrices of nodal diameter 1 with a free centre; of a clockwise rotation their complex
-        conjugates, so that waves against the rotation travel backward.
+    def shaft_block(self) -> Waves:
+        """Waves of nodal diameter 1 with a free centre without the springs of the shaft. The last
+        coordinate is the whirl of the centre along (1, i)/sqrt(2).
 
         Raises:
             UserError: the sectors differ, or the bladed disk has no centre that moves.

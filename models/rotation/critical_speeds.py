@@ -5,9 +5,8 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.rotation.at_speed import TurningDisk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_unequal_bearings
-from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.structure.waves import Waves
 
 ORDERS = {"forward": 0, "backward": 2}
@@ -21,16 +20,16 @@ ELLIPTIC_ORDERS = {"elliptic": 0}
 MOST = 4  #: largest number of critical speeds of each whirl in `lowest_critical_speeds`
 
 
-def shaft_waves(case: Case, turning: TurningDisk) -> Waves:
+def shaft_waves(case: Case, disk: BladedDiskModel) -> Waves:
     """Return the waves of nodal diameter 1 on the springs of the shaft of a case.
 
     Raises:
         ValueError: the sectors of the bladed disk are not equal.
     """
-    first = waves(turning.matrices, 1, case.rotation.effects)
-    layout = turning.matrices.structure.layout
-    if case.shaft.anisotropy and turning.disk.centre.size and layout is not None:
-        along_x = layout.basis(1).conj().T[:, turning.disk.centre[:1]].toarray()
+    structure = disk.structure
+    first = structure.wave(1).under(case.rotation.effects)
+    if case.shaft.anisotropy and disk.centre.size and structure.layout is not None:
+        along_x = structure.layout.basis(1).conj().T[:, disk.centre[:1]].toarray()
         return on_unequal_bearings(first, along_x.ravel(), case.shaft.anisotropy)
     return first
 
@@ -40,7 +39,9 @@ def orders_of(given: Waves) -> dict[str, int]:
     return ELLIPTIC_ORDERS if isinstance(given, EllipticWaves) else ORDERS
 
 
-def lowest_critical_speeds(case: Case, turning: TurningDisk) -> tuple[FloatArray, NDArray[np.str_]]:
+def lowest_critical_speeds(
+    case: Case, disk: BladedDiskModel
+) -> tuple[FloatArray, NDArray[np.str_]]:
     """Return the lowest critical speeds of a case [rad/s], (speeds,), ascending, and the whirl at
     each, "forward", "backward" or "elliptic", (speeds,).
 
@@ -50,9 +51,9 @@ def lowest_critical_speeds(case: Case, turning: TurningDisk) -> tuple[FloatArray
     none = np.zeros(0), np.zeros(0, dtype=np.str_)
     if case.rotation.effects != "full" or case.shaft.clamped:
         return none
-    if not turning.matrices.structure.is_cyclic:
+    if not disk.structure.still.is_cyclic:
         return none
-    given, speeds, whirls = shaft_waves(case, turning), list[float](), list[str]()
+    given, speeds, whirls = shaft_waves(case, disk), list[float](), list[str]()
     for name, order in orders_of(given).items():
         found = given.synchronous(order)[0][:MOST].tolist()
         speeds += found

@@ -1,17 +1,13 @@
 """Matrices of a rotating bladed disk, assembled once for all speeds.
 
-In the rotating frame, small motions about the state of steady rotation follow
-
-    M x'' + (D + 2 Omega G) x' + (K + Omega^2 (K_G1 - M_t)) x = f.
-
-G is the Coriolis matrix. M_t is the mass matrix without the rotary inertia of point masses, on
-which the rotation exerts no force; beams have translational inertia only. Omega^2 M_t X is the
-centrifugal load at the positions X, and Omega^2 K_G1 is the geometric stiffness due to the axial
-forces that this load causes in beams and rigid links. Springs keep their direction, so a force in a
-spring adds no stiffness.
+In the notation of `structure.rotating` K1 is K_G1 - M_t, and K2 is zero. M_t is the mass matrix
+without the rotary inertia of point masses, on which the rotation exerts no force; beams have
+translational inertia only. Omega^2 M_t X is the centrifugal load at the positions X, and Omega^2
+K_G1 is the geometric stiffness due to the axial forces that this load causes in beams and rigid
+links. Springs keep their direction, so a force in a spring adds no stiffness.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -32,7 +28,6 @@ from bladewhirl.models.elements.bladed_disk import (
 from bladewhirl.models.elements.forms import coriolis, mass, tension_stiffness
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.structure.rotating import Effects
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 """Gauss points and weights on -1 to 1, which integrate the line load of a tapered beam exactly."""
@@ -80,45 +75,9 @@ def _load_from_first_end(model: BeamModel, places: FloatArray, omega: float) -> 
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class RotationMatrices:
-    """Matrices and fields of a rotating bladed disk on its free DoF, for Omega = 1 rad/s."""
-
-    structure: Structure  #: the bladed disk at rest
-    mass: sp.csr_array  #: mass matrix M_t of translations [kg, kg m, kg m2], (size, size)
-    geometric: sp.csr_array  #: geometric stiffness K_G1 [N s2/m, N s2, N m s2], (size, size)
-    coriolis: sp.csr_array  #: skew Coriolis matrix G [kg, kg m, kg m2], (size, size)
-    load: FloatArray  #: centrifugal load M_t X [kg m, kg m2], (size,)
-    euler: FloatArray
-    """Inertia load of the undeformed bladed disk for Omega' = -1 rad/s2: G X, and the rotary
-    inertia of point masses [kg m, kg m2], (size,)."""
-    inertia: float  #: moment of inertia of the undeformed bladed disk about the axis [kg m2]
-    growth: FloatArray  #: static displacement K^-1 M_t X [m s2, s2], (size,)
-
-    def stiffness(self, omega: float) -> sp.csr_array:
-        """Return K_Omega = K + Omega^2 (K_G1 - M_t) at a speed [rad/s]."""
-        return sp.csr_array(self.structure.stiffness + omega**2 * (self.geometric - self.mass))
-
-    def at_speed(self, omega: float, effects: Effects) -> Structure:
-        """Return the structure linearised about the state of steady rotation.
-
-        Args:
-            omega: speed of rotation [rad/s], counter-clockwise.
-            effects: rotation effects to include; for "none", the structure at rest is returned.
-        """
-        if effects == "none":
-            return self.structure
-        gyroscopic = sp.csr_array(2.0 * omega * self.coriolis) if effects == "full" else None
-        return replace(
-            self.structure,
-            stiffness=self.stiffness(omega),
-            at_rest=self.structure,
-            gyroscopic=gyroscopic,
-        )
-
-
-def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
-    """Assemble the rotation matrices of a bladed disk that was assembled at rest."""
+def rotation_matrices(disk: BladedDiskModel) -> Structure:
+    """Return the structure of a bladed disk that was assembled at rest, with the matrices and loads
+    of its rotation."""
     model, structure, unknowns = disk.model, disk.structure, disk.expansion
     mesh = model.mesh
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
@@ -148,15 +107,16 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
     turned = unknowns.T @ turning @ unknowns
     rotary = np.zeros((len(mesh.points), COMPONENTS))
     np.add.at(rotary[:, ROTATION], model.masses.node, model.masses.inertia)
-    return RotationMatrices(
-        structure=structure,
-        mass=sp.csr_array((translated + translated.T) / 2.0),
-        geometric=sp.csr_array((geometric + geometric.T) / 2.0),
-        coriolis=sp.csr_array((turned - turned.T) / 2.0),
-        load=load,
-        euler=np.asarray(unknowns.T @ (turning @ places + rotary.ravel())),
+    softening, skew = sp.csr_array((translated + translated.T) / 2.0), (turned - turned.T) / 2.0
+    return replace(
+        structure,
+        stiffness_speed=sp.csr_array((geometric + geometric.T) / 2.0 - softening),
+        gyroscopic=sp.csr_array(2.0 * skew),
+        translated=softening,
+        centrifugal_load=load,
+        euler_load=-np.asarray(unknowns.T @ (turning @ places + rotary.ravel())),
         inertia=float(places @ full_load + rotary.sum()),
-        growth=growth,
+        speed=0.0,
     )
 
 

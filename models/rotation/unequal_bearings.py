@@ -12,7 +12,7 @@ coefficients are constant, and every motion is an ellipse of the backward wave p
 wave q.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import scipy.linalg as la
@@ -63,7 +63,7 @@ class EllipticWaves(Waves):
 
     def _motions(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Return w (2 n,) and the fields (p, q), (2 n, 2 n), of all motions at a speed omega."""
-        coriolis = omega * self.static.turning
+        coriolis = omega * self.static.known("gyroscopic")
         stiffness = self.static.stiffness_at(omega)
         rates, fields = gyroscopic_eigen(self.static.mass, stiffness, coriolis)
         size = len(self.mass)
@@ -91,7 +91,8 @@ def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -
     """
     mixed = 2.0 * difference * np.outer(centre, centre)
     zero = np.zeros_like(mixed)
-    coupling, fourth = np.block([[zero, mixed], [mixed.conj().T, zero]]), waves.stiffness_speed4
+    coupling = np.block([[zero, mixed], [mixed.conj().T, zero]])
+    turning, fourth = waves.known("gyroscopic"), waves.stiffness_speed4
 
     def both(matrix: ComplexArray) -> ComplexArray:
         return np.asarray(la.block_diag(matrix, matrix.conj()))
@@ -101,9 +102,10 @@ def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -
         frame=1,
         mass=both(waves.mass),
         stiffness=both(waves.stiffness) + coupling,
-        gyroscopic=both(waves.turning + 2j * waves.mass),
-        stiffness_speed=both(waves.softening - waves.mass + 1j * waves.turning),
+        gyroscopic=both(turning + 2j * waves.mass),
+        stiffness_speed=both(waves.known("stiffness_speed") - waves.mass + 1j * turning),
         stiffness_speed4=None if fourth is None else both(fourth),
         springs=both(waves.springs) + coupling,
     )
-    return EllipticWaves(**vars(waves), static=static)
+    own = {each.name: getattr(waves, each.name) for each in fields(Waves)}
+    return EllipticWaves(**own, static=static)

@@ -130,9 +130,7 @@ def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
         count: number of the lowest modes; all if None, which takes a minute for a thousand degrees
             of freedom without symmetry.
     """
-    layout, gyroscopic = structure.layout, structure.gyroscopic
-    if gyroscopic is None:
-        gyroscopic = sp.csr_array(structure.mass.shape)
+    layout, gyroscopic = structure.layout, structure.drag(structure.speed or 0.0)
     if layout is None or not structure.is_cyclic:
         modes = _plain_modes(structure, gyroscopic, count)
     else:

@@ -17,7 +17,7 @@ u_s is proportional to Omega^2, and the growth of the other blades remains negle
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -33,11 +33,11 @@ from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.cyclic import NO_COLUMN
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.modes import collect_modes
-from bladewhirl.models.rotation.at_speed import static_displacement
-from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Foreshortening,
@@ -47,7 +47,12 @@ from bladewhirl.models.stage.contact_problem import (
 )
 from bladewhirl.models.stage.excitations import felt
 from bladewhirl.models.stage.loads import excitation_loads
-from bladewhirl.models.stage.speed_change import TurningModes, inertia_of, with_drive
+from bladewhirl.models.stage.speed_change import (
+    inertia_of,
+    modes_at_speed,
+    with_course,
+    with_drive,
+)
 from bladewhirl.models.stage.stage import Stage, reduced_rotor
 from bladewhirl.models.stage.varying_speed import SpeedChange
 
@@ -104,31 +109,23 @@ def without_part(model: BeamModel, lost: LostPart) -> BeamModel:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class RemainingDisk:
-    """Bladed disk after a loss, on the degrees of freedom before it; those of lost nodes have no
-    mass and no stiffness."""
-
-    disk: BladedDiskModel  #: at rest
-    matrices: RotationMatrices
-
-    @classmethod
-    def of(cls, stage: Stage, lost: LostPart) -> "RemainingDisk":
-        """Return the bladed disk of a stage without a lost part."""
-        shaft = stage.case.shaft
-        disk = assemble_bladed_disk(
-            without_part(stage.disk.model, lost),
-            shaft_stiffness=shaft.stiffnesses,
-            clamped=shaft.clamped,
-        )
-        structure = disk.structure
-        gone = structure.node_dofs[lost.nodes].ravel()
-        held = np.zeros(structure.size)
-        held[gone[gone >= 0]] = 1.0  # any stiffness, for a static displacement of zero
-        stiff = sp.csr_array(structure.stiffness + sp.diags_array(held))
-        supported = replace(disk, structure=replace(structure, stiffness=stiff))
-        matrices = replace(rotation_matrices(supported), structure=structure)
-        return cls(disk=disk, matrices=matrices)
+def remaining_disk(stage: Stage, lost: LostPart) -> BladedDiskModel:
+    """Return the bladed disk of a stage without a lost part, at rest with the matrices of its
+    rotation, on the degrees of freedom before the loss; those of lost nodes have no mass and no
+    stiffness."""
+    shaft = stage.case.shaft
+    disk = assemble_bladed_disk(
+        without_part(stage.disk.model, lost),
+        shaft_stiffness=shaft.stiffnesses,
+        clamped=shaft.clamped,
+    )
+    structure = disk.structure
+    gone = structure.node_dofs[lost.nodes].ravel()
+    held = np.zeros(structure.size)
+    held[gone[gone >= 0]] = 1.0  # any stiffness, for a static displacement of zero
+    stiff = sp.csr_array(structure.stiffness + sp.diags_array(held))
+    turning = rotation_matrices(replace(disk, structure=replace(structure, stiffness=stiff)))
+    return replace(disk, structure=replace(turning, stiffness=structure.stiffness))
 
 
 def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem) -> ContactProblem:
@@ -147,11 +144,9 @@ def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem
     if loss is None:
         return problem
     lost = lost_part(stage, loss)
-    remaining, turning = RemainingDisk.of(stage, lost), stage.turning
+    disk = remaining_disk(stage, lost)
     before = stage.reduction.modes.shapes[:, stage.kept.rotor]
-    structure = remaining.disk.structure
-    if turning is not None:
-        structure = remaining.matrices.at_speed(turning.omega, case.rotation.effects)
+    structure = disk.structure.at(stage.speed, case.rotation.effects)
     inertia = before.T @ (structure.mass @ before)
     share, ways = la.eigh(0.5 * (inertia + inertia.T))
     moving = share > MOVING
@@ -160,8 +155,8 @@ def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem
     extension = ways @ extension
     shapes = before @ extension
     modes = collect_modes(structure, square, shapes, np.full(len(square), NO_COLUMN))
-    disk = replace(remaining.disk, structure=structure)
-    rotor = reduced_rotor(case, disk, modes, turning)
+    disk = replace(disk, structure=structure)
+    rotor = reduced_rotor(case, disk, modes, given.rotor.tip_recess)
     blades = np.array(loss.blade)
     away = np.linalg.norm(disk.mesh.points[lost.cuts], axis=1)
     reach = rotor.tip_radius - away + float(case.casing.clearance_profile.smallest)
@@ -180,7 +175,7 @@ def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem
         ),
         foreshortening=_without_bending(given.foreshortening, extension, blades),
     )
-    after = _released(stage, remaining, shapes, after)
+    after = _released(stage, structure, shapes, after)
     limit = after.critical_time_step
     if not case.march.time_step < limit:
         expected = (
@@ -208,35 +203,34 @@ def loss_faults(case: Case) -> Iterator[Fault]:
 
 
 def _released(
-    stage: Stage, remaining: RemainingDisk, shapes: FloatArray, after: ContactProblem
+    stage: Stage, remaining: Structure, shapes: FloatArray, after: ContactProblem
 ) -> ContactProblem:
     """Return the contact problem of what remains with the loads that it feels without the pull of
     the lost part, and with the speed over time of the case."""
-    case, turning, matrices = stage.case, stage.turning, remaining.matrices
+    case, disk, stiffness = stage.case, stage.disk, remaining.elastic
     course = case.march.course(stage.reference_frequency)
     casing, square = np.zeros(len(after.casing.frequency)), after.speed**2
-    stiffness = remaining.disk.structure.stiffness
-    if turning is not None:
-        grown = static_displacement(turning.matrices, turning.omega)
-        modes = TurningModes.of(matrices, shapes, grown)
-        pull = square * modes.centrifugal - shapes.T @ (stiffness @ grown)
+    if disk.rotates:
+        grown = disk.structure.static_displacement(disk.speed)
+        moved = remaining.displaced(grown)
+        rotor = modes_at_speed(moved, after.rotor.stiffness, shapes)
+        pull = square * rotor.loads[:, 0] - shapes.T @ (stiffness @ grown)
         after = replace(after, loads=(*after.loads, Load(rotor=felt(pull), casing=casing)))
         if course is None:
             return after
-        changed = modes.in_problem(after, course)
-        return with_drive(case, changed, inertia_of(case, matrices, grown))
-    before = rotation_matrices(stage.disk)
-    swept = spla.spsolve(stage.disk.structure.stiffness.tocsc(), before.euler)
-    pull = shapes.T @ (matrices.load - stiffness @ before.growth)
-    drag = shapes.T @ (matrices.euler - stiffness @ swept)
+        return with_drive(case, with_course(after, course, rotor), inertia_of(case, moved))
+    before = rotation_matrices(disk)
+    swept = spla.spsolve(disk.structure.stiffness.tocsc(), before.euler_load)
+    pull = shapes.T @ (remaining.centrifugal_load - stiffness @ before.growth)
+    drag = shapes.T @ (remaining.euler_load - stiffness @ swept)
     along = Load(rotor=square * felt(pull), casing=casing)
     if course is None:
         return replace(after, loads=(*after.loads, along))
     along = replace(along, rotor=felt(pull), constant=square, by_square=1.0)
-    across = Load(rotor=felt(drag), casing=casing, constant=0.0, by_acceleration=-1.0)
+    across = Load(rotor=felt(drag), casing=casing, constant=0.0, by_acceleration=1.0)
     change = SpeedChange(course=course)
     after = replace(after, loads=(*after.loads, along, across), change=change)
-    return with_drive(case, after, inertia_of(case, matrices, 0.0))
+    return with_drive(case, after, inertia_of(case, remaining))
 
 
 def _loads_without(stage: Stage, given: ContactProblem, blades: IntArray) -> tuple[Load, ...]:

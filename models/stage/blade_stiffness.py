@@ -30,7 +30,7 @@ class TunedRotor:
     omega: float  #: speed [rad/s]
     disk: ForcedRotor  #: modes and forces
     blades: FloatArray  #: stiffness of each blade on the modes [1/s2], (blades, modes, modes)
-    by_speed: FloatArray
+    slope: FloatArray
     """Change of the stiffness on the modes with the square of the speed, (modes, modes)."""
     damping_ratio: float  #: damping ratio of the modes of the stiffness `damped`
     at_rest: FloatArray | None
@@ -48,22 +48,18 @@ def tuned_beams(stage: Stage, loads: EngineOrders, omega: float) -> TunedRotor:
     (disk,) = forced_beams(stage, loads, [omega])
     _, shapes = rotor_at(stage, omega)
     count = shapes.shape[1]
-    by_speed, at_rest = np.zeros((count, count)), None
-    if stage.turning is not None:
-        effects = stage.case.rotation.effects
-        if effects == "full":
-            at_rest = np.asarray(shapes.T @ (stage.turning.disk.structure.elastic @ shapes))
-        twice, once = (
-            stage.turning.matrices.at_speed(factor * omega, effects).stiffness
-            for factor in (2.0, 1.0)
-        )
-        by_speed = np.asarray(shapes.T @ ((twice - once) @ shapes)) / (3.0 * omega**2)
+    slope, at_rest = np.zeros((count, count)), None
+    if stage.disk.rotates:
+        still = stage.disk.structure.still
+        if stage.case.rotation.effects == "full":
+            at_rest = np.asarray(shapes.T @ (still.stiffness @ shapes))
+        slope = np.asarray(shapes.T @ (still.slope(omega) @ shapes))
     blades = np.array([shapes.T @ (own @ shapes) for own in stiffness_of_blades(stage.disk)])
     return TunedRotor(
         omega=omega,
         disk=disk,
         blades=blades,
-        by_speed=by_speed,
+        slope=slope,
         damping_ratio=stage.case.damping.ratio,
         at_rest=at_rest,
     )
@@ -107,9 +103,9 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
         )
     own, blades = _with_blades(stage, omega)
     count, reduced = len(own.reduced.frequency), own.reduced
-    by_speed = np.zeros((count, count))
+    slope = np.zeros((count, count))
     if own.case.rotation.effects != "none" and reduced.stiffness_speed is not None:
-        by_speed = reduced.slope(omega)
+        slope = reduced.slope(omega)
     disk = forced_stage(own, loads, omega)
     at_rest = None
     if own.damped_as_at_rest:
@@ -119,7 +115,7 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
         omega=omega,
         disk=disk,
         blades=blades,
-        by_speed=by_speed,
+        slope=slope,
         damping_ratio=own.case.damping.ratio,
         at_rest=at_rest,
     )

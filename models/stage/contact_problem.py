@@ -657,8 +657,8 @@ class ContactProblem:
         [rad/s]."""
         rotor, change = self.rotor, self.change
         assert change is not None
-        if change.coriolis is not None:
-            further = 2.0 * (speed - self.speed) * change.coriolis
+        if change.rotor is not None:
+            further = 2.0 * (speed - self.speed) * change.rotor.coriolis
             assert rotor.by_velocity is not None
             rotor = replace(rotor, by_velocity=rotor.by_velocity + further)
         if change.compliance is not None:

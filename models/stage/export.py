@@ -15,7 +15,7 @@ from bladewhirl.models.elements.bladed_disk import (
     nodal_to_line_axes,
 )
 from bladewhirl.models.elements.forms import mass, straight_stiffness
-from bladewhirl.models.rotation.at_speed import TurningDisk
+from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 BLADES = "blades"  #: name of the lines of the blades
@@ -24,7 +24,6 @@ BLADES = "blades"  #: name of the lines of the blades
 def wheel_superelement(
     disk: BladedDiskModel,
     shaft_stiffness: tuple[float, float],
-    turning: TurningDisk | None,
     name: str,
 ) -> Superelement:
     """Return the full finite element model of a bladed disk as a wheel, without the springs of the
@@ -38,43 +37,26 @@ def wheel_superelement(
     Args:
         disk: finite element model.
         shaft_stiffness: stiffness of the springs along x and y [N/m], which is subtracted.
-        turning: the bladed disk at speed; None without rotation effects.
         name: name of the superelement.
     """
-    structure, size = disk.structure, disk.structure.size
-    turn = _to_cartesian_tips(disk)
-    mass, stiffness = (
-        sp.csr_array(turn.T @ matrix @ turn) for matrix in (structure.mass, structure.elastic)
-    )
-    by_speed, loads = {}, {}
-    if turning is not None:
-        of_rotation = turning.matrices
-        by_speed = {
-            "stiffness_speed": turn.T @ (of_rotation.geometric - of_rotation.mass) @ turn,
-            "gyroscopic": turn.T @ (2.0 * of_rotation.coriolis) @ turn,
-        }
-        loads = {
-            "centrifugal_load": turn.T @ of_rotation.load,
-            "euler_load": -(turn.T @ of_rotation.euler),
-        }
+    structure, size = disk.structure.still, disk.structure.size
     springs = np.zeros(size)
     springs[disk.centre] = shaft_stiffness[: len(disk.centre)]
-    stiffness = sp.csr_array(stiffness - sp.diags_array(springs))
+    structure = replace(structure, stiffness=structure.stiffness - sp.diags_array(springs))
+    turn = _to_cartesian_tips(disk)
+    matrices = structure.projected(turn, (*Rotating.FORMS, *Rotating.LOADS))
     tips = len(disk.tip_radial)
     axial = np.full(tips, FIXED)
     motion = disk.cartesian(turn.toarray())
     motion[:, 2] = 0.0  # displacements along z, in place of rotations
     flat = disk.mesh.points
     return Superelement(
-        mass=mass,
-        stiffness=stiffness,
+        **matrices,
         contact_position=np.pad(flat[disk.model.tips], ((0, 0), (0, 1))),
         contact_dofs=np.column_stack([disk.tip_radial, disk.tip_tangential, axial]),
         centre_dofs=disk.centre if len(disk.centre) else None,
         points=np.pad(flat, ((0, 0), (0, 1))),
         recovery=sp.csr_array(motion.reshape(3 * len(flat), size)),
-        **{key: sp.csr_array(matrix) for key, matrix in by_speed.items()},
-        **loads,
         name=name,
         source="bladewhirl, bladed disk of beams",
     )

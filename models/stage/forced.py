@@ -127,11 +127,11 @@ def forced_beams(
         raise UserError("response: not allowed with springs between bladed disk and casing")
     if case.reduction.modes != ALL:
         raise UserError(f'reduction.modes = "{case.reduction.modes}": expected "{ALL}"')
-    if stage.turning is not None:
+    if disk.rotates:
         fastest = max(omegas, key=abs)
         at_speed = {"march.speed": fastest / stage.reference_frequency}
         own = with_values(case, at_speed)
-        check_stable(own, stage.turning.matrices, fastest, stage.reference_frequency)
+        check_stable(own, disk.structure, fastest, stage.reference_frequency)
     units = [(load, unit_forces(case, disk, load)) for load in loads]
     for omega in omegas:
         rotor, shapes = rotor_at(stage, omega)

@@ -13,7 +13,6 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.rotation.at_speed import static_displacement
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     FusedSupport,
@@ -22,6 +21,7 @@ from bladewhirl.models.stage.contact_problem import (
     ReducedRotor,
 )
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.structure.rotating import of_modes
 
 
 def with_fused_support(stage: Stage, problem: ContactProblem) -> ContactProblem:
@@ -30,14 +30,13 @@ def with_fused_support(stage: Stage, problem: ContactProblem) -> ContactProblem:
     Raises:
         CaseError: the support fuses at the start.
     """
-    shaft, turning = stage.case.shaft, stage.turning
+    shaft, disk = stage.case.shaft, stage.disk
     if shaft.fuse_force is None:
         return problem
     assert shaft.fused_stiffness is not None
     place = np.zeros(2)
-    if turning is not None:
-        grown = static_displacement(turning.matrices, turning.omega)
-        place = grown[stage.disk.centre]
+    if disk.rotates:
+        place = disk.structure.static_displacement(disk.speed)[disk.centre]
     before, after = np.array(shaft.stiffnesses), np.full(2, shaft.fused_stiffness)
     fused = with_fuse(problem, before, after, place, shaft.fuse_force)
     assert fused.fuse is not None
@@ -110,12 +109,9 @@ def _in_modes(problem: ContactProblem, square: FloatArray, ways: FloatArray) -> 
     bending = problem.foreshortening
     if bending is not None:
         bending = replace(bending, rows=bending.rows @ ways)
-    if change is not None and change.stiffening is not None and change.coriolis is not None:
-        change = replace(
-            change,
-            stiffening=ways.T @ change.stiffening @ ways,
-            coriolis=ways.T @ change.coriolis @ ways,
-        )
+    if change is not None and change.rotor is not None:
+        turned = replace(change.rotor.on(ways), **of_modes(square))
+        change = replace(change, rotor=turned)
     if drive is not None and len(drive.along):
         drive = replace(drive, along=ways.T @ drive.along, across=ways.T @ drive.across)
     start = problem.start

@@ -12,7 +12,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import unit
 from bladewhirl.models.case.excitation import Imbalance
-from bladewhirl.models.rotation.at_speed import tip_recess
+from bladewhirl.models.rotation.at_speed import tip_answer, tip_recess
 from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.engine_order import engine_order_forces
 from bladewhirl.models.stage.excitations import (
@@ -90,11 +90,11 @@ def unbalance_to_touch(stage: Stage, speed: float, along: FloatArray | None = No
     if along is None:
         loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
         along = unit(_unbalance_vector(stage, loads))
-    if stage.turning is None:
+    if not stage.disk.rotates:
         outward = rotor.tip_radial @ ((along @ rotor.centre) / rotor.stiffness)
     else:
-        outward = sum(along[axis] * stage.turning.tip_answer(axis, speed) for axis in (X, Y))
-    recess = tip_recess(stage.case, stage.disk, stage.turning, speed)
+        outward = sum(along[axis] * tip_answer(stage.disk, axis, speed) for axis in (X, Y))
+    recess = tip_recess(stage.case, stage.disk, speed)
     gap = stage.reduced_casing.clearance[:, 0].min() + recess
     return closing_unbalance(outward, gap, speed)
 

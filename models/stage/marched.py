@@ -78,8 +78,8 @@ class MarchedStage(ABC):
         arrays = replace(arrays, modes_speed=self.speed)
         if isinstance(self.model, Stage):
             arrays = replace(arrays, rotor_inertia=turning_inertia(self.model))
-            if self.model.turning is not None:
-                speeds, whirls = lowest_critical_speeds(self.case, self.model.turning)
+            if self.model.disk.rotates:
+                speeds, whirls = lowest_critical_speeds(self.case, self.model.disk)
                 arrays = replace(arrays, critical_speed=speeds, critical_whirl=whirls)
         if march.drive is not None:
             drive = march.drive

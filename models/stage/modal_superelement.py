@@ -29,7 +29,6 @@ from bladewhirl.models.modal.modal_model import (
     LabelledWhirlModes,
     ModalModel,
     PointShapes,
-    ShaftBlock,
 )
 from bladewhirl.models.modal.modes import families, is_first_of_pair
 from bladewhirl.models.modal.tip_motion import tip_motion
@@ -226,7 +225,7 @@ class ModalSuperelement(ModalModel):
         return self.waves[1]
 
     @property
-    def shaft_block(self) -> ShaftBlock:
+    def shaft_block(self) -> Waves:
         if self.clamped_blocks is None:
             raise UserError(
                 f'veering: expected {SOURCE}.kind = "wheel" with centre_dofs: this'
@@ -238,20 +237,7 @@ class ModalSuperelement(ModalModel):
         # at rest.
         turn = np.linalg.qr(whirl.conj()[:, None], mode="complete")[0][:, ::-1].copy()
         turn[:, -1] /= whirl @ turn[:, -1]
-
-        def turned(matrix: ComplexArray) -> ComplexArray:
-            values = turn.conj().T @ matrix @ turn
-            return np.asarray(values.conj() if self.speed < 0.0 else values)
-
-        omega, elastic = self.speed, wave.stiffness - wave.springs
-        change = wave.stiffness_at(omega) - wave.stiffness
-        coriolis = turned(omega * wave.turning) if self.effects == "full" else None
-        return ShaftBlock(
-            mass=turned(wave.mass),
-            stiffness=turned(elastic + change),
-            elastic=turned(elastic),
-            gyroscopic=coriolis,
-        )
+        return Waves.on_springs(wave.on(turn), 0.0)
 
     def growth(self, omegas: FloatArray) -> FloatArray | None:
         return None
@@ -295,7 +281,11 @@ class ModalSuperelement(ModalModel):
                 wave_modes(
                     k,
                     copies,
-                    (block.mass, self._wave(block).stiffness_at(omega), omega * block.turning),
+                    (
+                        block.mass,
+                        self._wave(block).stiffness_at(omega),
+                        omega * block.known("gyroscopic"),
+                    ),
                     (block.springs, block.stiffness),
                 )
                 for k, block in blocks.items()

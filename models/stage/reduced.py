@@ -131,7 +131,7 @@ def reduced_disk(
     mass, stiffness = 0.5 * (mass + mass.T), 0.5 * (stiffness + stiffness.T)
     gyroscopic, damped = None, stiffness
     if structure.gyroscopic is not None:
-        gyroscopic = basis.T @ (structure.gyroscopic @ basis)
+        gyroscopic = disk.speed * (basis.T @ (structure.gyroscopic @ basis))
         gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)
         damped = basis.T @ (structure.elastic @ basis)
         damped = 0.5 * (damped + damped.T)

@@ -27,7 +27,7 @@ from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
-from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
+from bladewhirl.models.rotation.at_speed import tip_recess, turning_disk
 from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.export import part_superelement, wheel_superelement
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
@@ -54,7 +54,7 @@ SHOWN_FAMILIES = ("suspension", "1F", "2F", "3F", "4F", "5F")
 class Stage(Ring):
     """A bladed disk and a casing: full models, reduced models and modes with their families."""
 
-    disk: BladedDiskModel
+    disk: BladedDiskModel  #: bladed disk at the speed of the case; at rest without rotation effects
     disk_frequencies: Frequencies
     """Lowest natural frequencies of the full bladed disk with the shaft of the case [rad/s]."""
     reference_frequency: float
@@ -66,7 +66,6 @@ class Stage(Ring):
     sectors, these are errors of the frequencies of waves."""
     rotor: ReducedRotor  #: the bladed disk in all modes of `reduction`
     kept: KeptModes  #: the modes selected for time integration
-    turning: TurningDisk | None  #: bladed disk at speed; None without rotation effects
 
     def __repr__(self) -> str:
         """Return a summary: bodies, symmetry, reduction, families, modes for time integration."""
@@ -121,8 +120,8 @@ class Stage(Ring):
         """
         case = self.case
         if kind == "wheel":
-            return wheel_superelement(self.disk, case.shaft.stiffnesses, self.turning, case.title)
-        if self.turning is not None:
+            return wheel_superelement(self.disk, case.shaft.stiffnesses, case.title)
+        if self.disk.rotates:
             raise SuperelementError(f'expected rotation.effects = "none" for a {kind}')
         return part_superelement(self.disk, kind, case.title)
 
@@ -159,7 +158,6 @@ class Stage(Ring):
             self.disk,
             modes,
             family,
-            self.turning,
             **self.wall_arrays(self.kept.casing),
         )
         rotor = self.rotor.take(self.kept.rotor)
@@ -185,9 +183,8 @@ def build_stage(case: Case) -> Stage:
         full = lowest_frequencies(at_rest.structure, FULL_FREQUENCIES)
         reference = _reference_frequency(case, at_rest, full)
         case = case.in_seconds(reference)
-        turning = turning_disk(case, at_rest, reference)
-        disk = at_rest if turning is None else turning.disk
-        if turning is not None:
+        disk = turning_disk(case, at_rest, reference)
+        if disk.rotates:
             full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
         reduction = craig_bampton(
             disk.structure,
@@ -199,13 +196,13 @@ def build_stage(case: Case) -> Stage:
         ring = stage_casing(case)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
     modes = ring.casing_modes
-    rotor = reduced_rotor(case, disk, reduction.modes, turning)
-    if turning is not None:
+    rotor = reduced_rotor(case, disk, reduction.modes, tip_recess(case, disk))
+    if disk.rotates:
         _check_clearance(case, rotor.tip_recess)
-    if turning is None or case.rotation.effects != "full" or not disk.structure.is_cyclic:
+    if case.rotation.effects != "full" or not disk.structure.is_cyclic:
         errors = family_errors(reduction.modes, list(disk_family), full)
     else:
-        errors = wave_errors(rotor, reduction.modes.nodal_diameter, disk_family, turning)
+        errors = wave_errors(rotor, reduction.modes.nodal_diameter, disk_family, disk)
     return Stage(
         **vars(ring),
         disk=disk,
@@ -220,25 +217,24 @@ def build_stage(case: Case) -> Stage:
             tip_motion(disk, reduction.modes, disk_family, lambda i: reduction.modes.shapes[:, i]),
             wall_motion(ring.casing, modes, ring.casing_family, lambda i: modes.shapes[:, i]),
         ),
-        turning=turning,
     )
 
 
 def rotor_at(stage: Stage, omega: float) -> tuple[ReducedRotor, FloatArray]:
     """Return the reduced bladed disk of a stage at another speed of rotation [rad/s], with all of
     its modes, and their fields on the free DoF [kg^-1/2], (size, modes)."""
-    turning, case = stage.turning, stage.case
-    if turning is None:
+    disk, case = stage.disk, stage.case
+    if not disk.rotates:
         return stage.rotor, stage.reduction.modes.shapes
-    structure = turning.matrices.at_speed(omega, case.rotation.effects)
-    turning = replace(turning, disk=replace(turning.disk, structure=structure), omega=omega)
-    boundary = np.concatenate([*boundary_sets(turning.disk).values()])
+    structure = disk.structure.still.at(omega, case.rotation.effects)
+    disk = replace(disk, structure=structure)
+    boundary = np.concatenate([*boundary_sets(disk).values()])
     kept = case.reduction.fixed_interface_modes
     with numbers_within_reach(
         with_values(case, {"march.speed": omega / stage.reference_frequency})
     ):
-        modes = craig_bampton(structure, boundary, kept, tip_in_sector(turning.disk)).modes
-    return reduced_rotor(case, turning.disk, modes, turning), modes.shapes
+        modes = craig_bampton(structure, boundary, kept, tip_in_sector(disk)).modes
+    return reduced_rotor(case, disk, modes, tip_recess(case, disk)), modes.shapes
 
 
 def boundary_sets(disk: BladedDiskModel) -> dict[str, IntArray]:
@@ -263,9 +259,10 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
 
 
 def reduced_rotor(
-    case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
+    case: Case, disk: BladedDiskModel, modes: Modes, recess: FloatArray
 ) -> ReducedRotor:
-    """Return the bladed disk in modal coordinates, with the change of the clearance at speed."""
+    """Return a bladed disk at speed in modal coordinates, with a recess of its tips [m],
+    (blades,)."""
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # no rows if clamped
     by_velocity = _by_velocity(case, disk, modes)
@@ -277,15 +274,13 @@ def reduced_rotor(
         centre=centre,
         tip_angle=disk.tip_angles,
         tip_radius=disk.model.tip_radius,
-        tip_recess=tip_recess(case, disk, turning),
+        tip_recess=recess,
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
         by_velocity=by_velocity,
         circulation=(
-            case.shaft.damping * turning.omega
-            if turning is not None and case.shaft.damping_frame == "static"
-            else 0.0
+            case.shaft.damping * disk.speed if case.shaft.damping_frame == "static" else 0.0
         ),
     )
 
@@ -299,7 +294,7 @@ def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray 
     structure, shapes = disk.structure, modes.shapes
     if structure.gyroscopic is None:
         return None
-    skew = shapes.T @ (structure.gyroscopic @ shapes)
+    skew = disk.speed * (shapes.T @ (structure.gyroscopic @ shapes))
     strained = shapes.T @ (structure.elastic @ shapes)
     damping = modal_damping(np.eye(modes.count), strained, case.damping.ratio).real
     damping = (damping + damping.T) / 2.0

@@ -1,10 +1,11 @@
 """Speed of rotation that varies over time: matrices, loads and start of a stage of superelements.
 
 Displacements are those from the state of steady rotation at the fastest speed b, in the modes at
-this speed. With the symbols of `superelement`, and K(Omega) = K + Omega^2 K_1 + Omega^4 K_2, this
-state is the solution u of K(b) u = b^2 F for the centrifugal load F. At another speed the loads are
+this speed. With the symbols of `structure.rotating`, and K(Omega) = K + Omega^2 K_1 + Omega^4 K_2,
+this state is the solution u of K(b) u = b^2 F for the centrifugal load F. At another speed the
+loads are
 
-    (Omega^2 - b^2) (F - K_1 u) - (Omega^4 - b^4) K_2 u + Omega' (E - G u),       E = -M (z x X)
+    (Omega^2 - b^2) (F - K_1 u) - (Omega^4 - b^4) K_2 u + Omega' (E - G u / 2)
 
 so that a constant speed Omega has the state K(Omega) u = Omega^2 F. The modes include the states of
 steady rotation, see `further_modes`. They leave a part of the static displacements by contact
@@ -15,17 +16,18 @@ forces to the residual flexibility, which is that of K(Omega),
 It is computed at `SPEEDS` speeds and interpolated.
 """
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1
 
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.cone import compliance_in_wall_axes
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.models.stage.speed_change import with_drive
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.speed_change import with_drive, with_rotation
 from bladewhirl.models.stage.superelement_stage import SuperelementStage
 from bladewhirl.models.stage.varying_speed import ComplianceOverSpeeds, Rotation, SpeedChange
+from bladewhirl.models.structure.rotating import Rotating
 
 SPEEDS = 5  #: number of speeds between which the flexibility is interpolated
 
@@ -51,31 +53,20 @@ def with_speed_over_time(stage: SuperelementStage, problem: ContactProblem) -> C
     }
     if reduced.stiffness_speed4 is not None:
         patterns["by_fourth"] = np.tile(-reduced.stiffness_speed4 @ steady, len(factor))
-    still = np.zeros(len(problem.casing.frequency))
-    loads = tuple(
-        Load(rotor=force, casing=still, constant=0.0, **{name: 1.0})
-        for name, force in patterns.items()
-    )
     change = SpeedChange(
         course=course,
-        stiffening=reduced.stiffness_speed,
-        stiffening4=reduced.stiffness_speed4,
-        coriolis=reduced.coriolis,
+        rotor=Rotating(**{each.name: getattr(reduced, each.name) for each in fields(Rotating)}),
         factor=factor,
         compliance=_compliance(stage, course),
     )
-    first = Rotation(0.0, float(course.speed(0.0)), 0.0)
+    moving = with_rotation(problem, change, **patterns)
+    first, loads = Rotation(0.0, float(course.speed(0.0)), 0.0), moving.loads[len(problem.loads) :]
     pushed = [each.amplitude(0.0, first, base) * each.rotor for each in loads]
     stiffness = reduced.stiffness_at(first.speed)
     by_copy = problem.rotor.by_copy(np.sum(pushed, axis=0))
     moved = np.linalg.solve(stiffness, by_copy.T).T / factor[:, None]
     start = problem.start.rotor + moved.ravel()
-    return replace(
-        problem,
-        loads=(*problem.loads, *loads),
-        start=replace(problem.start, rotor=start),
-        change=change,
-    )
+    return replace(moving, start=replace(problem.start, rotor=start))
 
 
 def _compliance(stage: SuperelementStage, course: SpeedCourse) -> ComplianceOverSpeeds | None:

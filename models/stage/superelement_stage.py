@@ -326,9 +326,8 @@ class SuperelementStage:
         all modes have the modal damping of the structure at rest, as those of beams.
         """
         reduced, modes = self.reduced, self.reduced.size
-        matrices = [] if reduced.damping is None else [reduced.damping]
-        if reduced.gyroscopic is not None:
-            matrices.append(speed * reduced.gyroscopic)
+        given = reduced.given(("damping", "gyroscopic"))
+        matrices = [reduced.drag(speed)] if given else []
         if self.damped_as_at_rest:
             ratio = np.sqrt(self._ratio)
             assert reduced.root is not None  # the rotation acts on the structure

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.speed_course import SpeedCourse
+from bladewhirl.models.structure.rotating import Rotating
 
 
 class Rotation(NamedTuple):
@@ -20,24 +21,15 @@ class Rotation(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedChange:
-    """Speed of rotation that varies over time, and matrices of the rotor that depend on it.
+    """Speed of rotation that varies over time, and the rotor whose matrices depend on it.
 
-    The arrays of the rotor are those at the speed of the contact problem. At the speed Omega, the
-    stiffness of each copy is larger by Omega^2 - speed^2 times `stiffening` and Omega^4 - speed^4
-    times `stiffening4`, and its Coriolis matrix by 2 (Omega - speed) times `coriolis`; Omega' times
-    `coriolis` acts on displacements.
+    Displacements are those from the state of steady rotation at the speed of `rotor`.
     """
 
     course: SpeedCourse
-    stiffening: FloatArray | None = None
-    """Geometric stiffness less mass of translations for 1 rad/s [1], (modes, modes); None without
-    rotation effects."""
-    coriolis: FloatArray | None = None
-    """Skew Coriolis matrix G of the Coriolis forces -2 Omega G x' [1], (modes, modes); None without
-    rotation effects."""
-    stiffening4: FloatArray | None = None
-    """Change of the stiffness by the fourth power of the speed, for 1 rad/s [s2], (modes, modes);
-    None if there is none."""
+    rotor: Rotating[FloatArray] | None = None
+    """A copy in its modes at the speed of the contact problem, with Coriolis forces, (modes,
+    modes); None without rotation effects."""
     factor: FloatArray = field(default_factory=lambda: np.ones(1))
     """Factor on the changes of the stiffness of each copy, (copies,)."""
     compliance: "ComplianceOverSpeeds | None" = None
@@ -48,15 +40,13 @@ class SpeedChange:
     ) -> FloatArray:
         """Return the modal forces on the rotor that the rotor at the speed `base` [rad/s] lacks,
         (modes,)."""
-        if self.stiffening is None or self.coriolis is None:
+        if self.rotor is None:
             return np.zeros(len(displacement))
         speed, rate = turned.speed, turned.acceleration
-        stiffness = (speed**2 - base**2) * self.stiffening
-        if self.stiffening4 is not None:
-            stiffness = stiffness + (speed**4 - base**4) * self.stiffening4
         x, v = (each.reshape(len(self.factor), -1) for each in (displacement, velocity))
+        stiffness = self.factor[:, None] * (x @ self.rotor.change(speed).T)
         turning = rate * x + 2.0 * (speed - base) * v
-        return -(self.factor[:, None] * (x @ stiffness.T) + turning @ self.coriolis.T).ravel()
+        return -(stiffness + turning @ self.rotor.coriolis.T).ravel()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,10 +83,11 @@ class FreeSpeed:
     def momentum(self, speed: float, change: SpeedChange, x: FloatArray, v: FloatArray) -> float:
         """Return the angular momentum at a speed [rad/s] for modal displacements and velocities
         [N m s]."""
-        if change.stiffening is None or change.coriolis is None:
+        if change.rotor is None:
             return self.inertia * speed
-        inertia = self.inertia + 2.0 * self.along @ x - x @ change.stiffening @ x
-        return float(speed * inertia + self.across @ v + v @ change.coriolis @ x)
+        softer = 2.0 * self.along - change.rotor.known("stiffness_speed") @ x
+        inertia = self.inertia + softer @ x
+        return float(speed * inertia + self.across @ v + v @ change.rotor.coriolis @ x)
 
     def acceleration(
         self,
@@ -116,12 +107,15 @@ class FreeSpeed:
         """
         x, v, free = motion
         torque = self.torque - self.loss * speed
-        if change.stiffening is None or change.coriolis is None:
+        if change.rotor is None:
             return torque, torque / self.inertia, np.zeros(len(x))
-        (place, rate), softer = (centre @ x, centre @ v), self.along - change.stiffening @ x
+        (place, rate), softer = (
+            (centre @ x, centre @ v),
+            self.along - change.rotor.known("stiffness_speed") @ x,
+        )
         swept = place[0] * rate[1] - place[1] * rate[0] + speed * place @ place
         torque = float(torque - self.damping * swept)
-        coupled = self.across + change.coriolis @ x
+        coupled = self.across + change.rotor.coriolis @ x
         inertia = self.inertia + (self.along + softer) @ x - coupled @ coupled
         lost = coupled @ free + 2.0 * speed * softer @ v
         alpha = float((torque - lost) / inertia)

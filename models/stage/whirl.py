@@ -3,9 +3,8 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import is_pair
-from bladewhirl.models.rotation.at_speed import TurningDisk
-from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen
 
@@ -66,7 +65,7 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
 
 
 def wave_errors(
-    rotor: ReducedRotor, nodal_diameter: IntArray, family: tuple[str, ...], turning: TurningDisk
+    rotor: ReducedRotor, nodal_diameter: IntArray, family: tuple[str, ...], disk: BladedDiskModel
 ) -> dict[str, float]:
     """Return the largest relative frequency error of the backward and forward waves of each family.
 
@@ -74,14 +73,14 @@ def wave_errors(
         rotor: the reduced bladed disk, with equal sectors.
         nodal_diameter: nodal diameter of each mode, (modes,).
         family: family of each mode, (modes,).
-        turning: the full bladed disk at speed, with Coriolis forces.
+        disk: the full bladed disk at speed, with Coriolis forces.
     """
-    layout = turning.disk.structure.layout
+    layout = disk.structure.layout
     assert layout is not None  # the sectors are equal
-    frequencies = wave_frequencies(rotor, nodal_diameter, turning.omega)
+    frequencies = wave_frequencies(rotor, nodal_diameter, disk.speed)
     errors = dict.fromkeys(family, 0.0)
     for k in np.unique(nodal_diameter):
-        w = waves(turning.matrices, int(k), "full").frequencies(abs(turning.omega)).real
+        w = disk.structure.wave(int(k)).frequencies(abs(disk.speed)).real
         half = len(w) // 2
         exact = np.stack([w[:half][::-1], -w[half:]])
         members = np.flatnonzero(nodal_diameter == k)

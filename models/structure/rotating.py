@@ -83,7 +83,7 @@ class Rotating(Generic[M]):
         """Return those of some matrices or loads that are known, by name."""
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
-    def change(self, omega: float) -> M:
+    def change(self, omega: float | FloatArray) -> M:
         """Return what the stiffness at a speed [rad/s] has besides `stiffness`, (n, n), of a
         structure with `stiffness_speed`."""
         base, fourth = self.speed or 0.0, self.stiffness_speed4
@@ -103,12 +103,25 @@ class Rotating(Generic[M]):
         found: M = slope
         return found
 
-    def stiffness_at(self, omega: float) -> M:
+    def stiffness_at(self, omega: float | FloatArray) -> M:
         """Return the stiffness at a speed [rad/s], (n, n)."""
         if self.stiffness_speed is None:
             return self.stiffness
         stiffness: M = self.stiffness + self.change(omega)
         return stiffness
+
+    def known(self, name: str) -> M:
+        """Return one of the matrices by name, zero if there is none, (n, n)."""
+        matrix: M | None = getattr(self, name)
+        zero: Any = 0.0 * self.mass
+        found: M = zero if matrix is None else matrix
+        return found
+
+    def drag(self, omega: float | FloatArray) -> M:
+        """Return the matrix of all forces due to velocities, D + Omega G, at a speed [rad/s],
+        (n, n)."""
+        drag: M = self.known("damping") + omega * self.known("gyroscopic")
+        return drag
 
     def under(self, effects: Effects) -> Self:
         """Return the structure with some of the effects of the rotation only."""

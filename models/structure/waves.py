@@ -48,29 +48,20 @@ class Waves(Rotating[ComplexArray]):
         stiffness = self.stiffness + (ratio - 1.0) * self.springs
         return replace(self, stiffness=stiffness, springs=ratio * self.springs)
 
-    @property
-    def turning(self) -> ComplexArray:
-        """`gyroscopic`, zero without Coriolis forces, (n, n)."""
-        return np.zeros_like(self.mass) if self.gyroscopic is None else self.gyroscopic
-
-    @property
-    def softening(self) -> ComplexArray:
-        """`stiffness_speed`, zero if there is none, (n, n)."""
-        given = self.stiffness_speed
-        return np.zeros_like(self.mass) if given is None else given
-
     def frequencies(self, omega: float) -> ComplexArray:
         """Return w at a speed omega, in descending order [rad/s], (2 n,).
 
         The first n are the branches of waves that travel backward when the disk is at rest, the
         last n those of waves that travel forward.
         """
-        return gyroscopic_frequencies(self.mass, self.stiffness_at(omega), omega * self.turning)
+        return gyroscopic_frequencies(
+            self.mass, self.stiffness_at(omega), omega * self.known("gyroscopic")
+        )
 
     def spring_shares(self, omega: float) -> FloatArray:
         """Return for each wave at a speed omega [rad/s] the share of its strain energy that is in
         the shaft springs, in the order of `frequencies`, (2 n,)."""
-        at_speed = self.stiffness_at(omega), omega * self.turning
+        at_speed = self.stiffness_at(omega), omega * self.known("gyroscopic")
         return self.shares(gyroscopic_eigen(self.mass, *at_speed)[1])
 
     def shares(self, fields: ComplexArray) -> FloatArray:
@@ -115,7 +106,11 @@ class Waves(Rotating[ComplexArray]):
             speeds in ascending order [rad/s] (waves,), and the share of the strain energy in the
             shaft springs (waves,).
         """
-        pulled = order**2 * self.mass - 1j * order * self.turning - self.softening
+        pulled = (
+            order**2 * self.mass
+            - 1j * order * self.known("gyroscopic")
+            - self.known("stiffness_speed")
+        )
         if self.stiffness_speed4 is None:
             speeds, fields = positive_speeds(self.stiffness, pulled)
         else:
@@ -142,7 +137,7 @@ class Waves(Rotating[ComplexArray]):
             bearing: bearing damping, fixed in space [N s/m].
         """
         damping = modal_damping(self.mass, self.stiffness, damping_ratio)
-        damping = damping + omega * self.turning
+        damping = damping + omega * self.known("gyroscopic")
         stiffness = self.stiffness_at(omega)
         if centre is not None:
             turn = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -162,8 +157,8 @@ class Waves(Rotating[ComplexArray]):
             highest: upper bound of the speeds [rad/s].
         """
         k = self.nodal_diameter - self.frame
-        turning = 1j * self.turning
-        second = k * turning - k**2 * self.mass + self.softening
+        turning = 1j * self.known("gyroscopic")
+        second = k * turning - k**2 * self.mass + self.known("stiffness_speed")
         first = casing_frequency * (2.0 * k * self.mass - turning)
         zeroth = self.stiffness - casing_frequency**2 * self.mass
         powers = [zeroth, first, second]

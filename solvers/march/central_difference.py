@@ -79,8 +79,9 @@ class CentralDifference:
             friction=problem.friction if problem.rotor.nodes is None else None,
         )
         change = problem.change
-        self._spins = change is not None and change.coriolis is not None
-        self._stiffens4 = change is not None and change.stiffening4 is not None
+        turning = None if change is None else change.rotor
+        self._spins = turning is not None
+        self._stiffens4 = turning is not None and turning.stiffness_speed4 is not None
         self._arrangements, self._nodes = (rotor, casing), pack_nodes(problem, time_step)
         bodies = self._rotor.body, self._casing.body
         self._stage = {

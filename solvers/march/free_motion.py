@@ -64,7 +64,7 @@ class FreeMotion:
         if course is not None:
             if problem.drive is not None:
                 raise ValueError("the speed is free")
-            if course.stiffening is not None:
+            if course.rotor is not None:
                 raise ValueError("the speed varies, which does work on the bladed disk")
             speed = min(map(abs, course.course.range))
         clearance, bodies = problem.free_bodies()

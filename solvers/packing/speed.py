@@ -46,7 +46,7 @@ def pack_speed(
     points, samples, current = none, aligned((0, 0)), none
     empty = modal_matrix(np.zeros((1, 0, 0)), replace(arrangement, half=0, rows=1, columns=0))
     (stiffening, direct), stiffening4, coriolis = (empty, 0), empty, empty
-    if change.stiffening is not None and change.coriolis is not None:
+    if change.rotor is not None:
         low, high = change.course.range
         if problem.drive is not None:  # the range is not known; a polynomial holds beyond it
             low, high = sorted((0.0, 1.5 * problem.speed))
@@ -54,11 +54,11 @@ def pack_speed(
         if high - low <= EQUAL * abs(problem.speed):
             points = np.array([problem.speed])
         samples, current = _samples(problem, stage, pack, points)
-        factor = change.factor[:, None, None]
-        stiffening, direct = _stiffening(factor * change.stiffening, arrangement)
-        if change.stiffening4 is not None:
-            stiffening4 = modal_matrix(factor * change.stiffening4, arrangement)
-        copies = np.repeat(change.coriolis[None], len(change.factor), axis=0)
+        factor, softening = change.factor[:, None, None], change.rotor.known("stiffness_speed")
+        stiffening, direct = _stiffening(factor * softening, arrangement)
+        if change.rotor.stiffness_speed4 is not None:
+            stiffening4 = modal_matrix(factor * change.rotor.stiffness_speed4, arrangement)
+        copies = np.repeat(change.rotor.coriolis[None], len(change.factor), axis=0)
         coriolis = modal_matrix(copies, arrangement)
     factors = [
         (load.order, load.constant, load.by_square, load.by_fourth, load.by_acceleration)

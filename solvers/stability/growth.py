@@ -80,7 +80,7 @@ def growth_rate(
         growth rates, (...); negative if every motion decays.
     """
     speed, kappa = np.broadcast_arrays(np.asarray(speed, np.float64), np.asarray(kappa, np.float64))
-    largest_size = max(2 * len(block.frequency) for block in modes.blocks)
+    largest_size = max(2 * block.structure.size for block in modes.blocks)
     chunks = max(1, speed.size // max(1, min(CHUNK, CHUNK_NUMBERS // largest_size**2)))
     speeds, kappas = np.array_split(speed.ravel(), chunks), np.array_split(kappa.ravel(), chunks)
     growth: list[FloatArray] = []
@@ -143,11 +143,11 @@ def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
         k, frequency = int(modes.nodal_diameter[casing]), float(modes.frequency[casing])
         rotor = np.flatnonzero(~modes.on_casing & (modes.nodal_diameter == k))
         part = replace(modes.take(rotor), damping_ratio=np.zeros(len(rotor)))
-        coriolis, softening = (part.over_entries(m) for m in (part.coriolis, part.softening))
+        turning, softening = map(part.over_entries, (part.gyroscopic, part.stiffness_speed))
         rank = np.argsort(np.argsort(part.frequency, kind="stable"), kind="stable")
         identity, unit = np.eye(len(rotor)), float(modes.frequency.max())
-        second = softening - k**2 * identity - 2j * k * coriolis
-        first = np.asarray(2.0 * frequency * (k * identity + 1j * coriolis))
+        second = softening - k**2 * identity - 1j * k * turning
+        first = np.asarray(frequency * (2.0 * k * identity + 1j * turning))
         zeroth = np.diag(part.frequency**2 - frequency**2).astype(np.complex128)
         speeds = unit * la.eigvals(
             companion(-zeroth / unit**2, -first / unit), la.block_diag(identity, second)
@@ -172,8 +172,9 @@ def rotor_waves(rotor: CouplingModes, speed: float) -> ComplexArray:
     Returns:
         the frequencies, (2 * entries,).
     """
-    stiffness = np.diag(rotor.frequency**2) + speed**2 * rotor.over_entries(rotor.softening)
-    drag = 2.0 * speed * rotor.over_entries(rotor.coriolis) + np.diag(rotor.damping_rate)
+    structure = rotor.equations.structure
+    stiffness = rotor.over_entries(structure.stiffness_at(speed))
+    drag = rotor.over_entries(structure.drag(speed))
     matrix = companion(stiffness, 1j * drag, float(rotor.frequency.max()))
     return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
 

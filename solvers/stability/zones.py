@@ -167,7 +167,7 @@ def _ladder(
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the zones that are unstable without damping. They follow from the counts of exchanges
     at both ends of the range of speeds or, if the counts can decrease, at `SAMPLES` speeds."""
-    edges = np.linspace(low, high, 2 if block.softening is None else SAMPLES)
+    edges = np.linspace(low, high, 2 if block.structure.stiffness_speed is None else SAMPLES)
     speeds, stiff = np.meshgrid(edges, kappas)
     begun, ended = (
         count.reshape(speeds.shape) for count in exchanges(block, speeds.ravel(), stiff.ravel())

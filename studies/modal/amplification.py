@@ -206,10 +206,10 @@ class _Patterns:
             for part in (rates - skew - modal, skew)
         )
         self._hermitian = np.diag(rotor.stiffness) - w**2 * one
-        self._by_square: Any = tuned.by_speed
+        self._by_square: Any = tuned.slope
         if skew.any():
             self._hermitian = self._hermitian + 1j * w * skew
-            self._by_square = tuned.by_speed + 1j * order / tuned.omega * skew
+            self._by_square = tuned.slope + 1j * order / tuned.omega * skew
         self._turned = bool(skew.any()) or tuned.at_rest is not None
         self._coupled = self._turned or bool(self._by_square.any() or self._loss.any())
 
@@ -222,8 +222,8 @@ class _Patterns:
         roots = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
         loss: Any = self._twice_ratio * np.diag(roots)
         growth = np.zeros(loss.shape)  # of the loss with the square of the speed
-        if tuned.at_rest is None and tuned.by_speed.any():
-            stiffer = shapes.T @ tuned.by_speed @ shapes / (roots[:, None] + roots)
+        if tuned.at_rest is None and tuned.slope.any():
+            stiffer = shapes.T @ tuned.slope @ shapes / (roots[:, None] + roots)
             growth = self._twice_ratio * stiffer
         values = squares - (order * tuned.omega) ** 2
         if self._turned:

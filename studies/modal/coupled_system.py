@@ -16,12 +16,13 @@ from bladewhirl.models.coupling.equations import CoupledEquations
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes, at_speed, stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.rotation.at_speed import lowest_critical_speed
-from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
-from bladewhirl.models.rotation.waves import internal_growth
+from bladewhirl.models.rotation.internal_growth import internal_growth
+from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.solvers.stability.floquet import exponents
 from bladewhirl.solvers.stability.growth import Progress, growth_rate, is_unstable
 
@@ -73,8 +74,8 @@ class EvenSystem(System):
     modes: CouplingModes  #: chosen modes
     stage: StageModes  #: chosen modes, with finite elements
     all_modes: StageModes  #: all modes that springs can couple, with physical amplitudes
-    #: matrices of the bladed disk; None without rotation effects
-    rotation: RotationMatrices | None = None
+    disk: BladedDiskModel | None = None
+    """Bladed disk with the matrices of its rotation; None without rotation effects."""
 
     @property
     def six(self) -> CouplingModes:
@@ -97,15 +98,15 @@ class EvenSystem(System):
             bearings that stabilises a growing disk (None if bearings cannot); and waves_met, true
             for growth without damping.
         """
-        if self.rotation is None:
+        if self.disk is None:
             return {}
-        case, disk = self.stage.modal.case, self.stage.modal.disk
+        case = self.stage.modal.case
         effects = case.rotation.effects
         damped, undamped = (
-            internal_growth(disk, self.rotation, omega, effects, damping_ratio=ratio)
+            internal_growth(self.disk, omega, effects, damping_ratio=ratio)
             for ratio in (case.damping.ratio if self.damped else 0.0, 0.0)
         )
-        critical = lowest_critical_speed(self.rotation) / self.reference
+        critical = lowest_critical_speed(self.disk.structure) / self.reference
         return {
             "critical_speed": critical if np.isfinite(critical) else None,
             "rotor_growth_rate": damped.rate,
@@ -192,7 +193,7 @@ def couple_even(
 
     With rotation effects the matrices at speed are projected onto the modes at rest.
     """
-    case, rotation = modal.case, None
+    case, disk = modal.case, None
     if case.rotation.effects == "centrifugal":  # couple modes at rest, not at speed
         effects = case.rotation.model_copy(update={"effects": "none"})
         at_rest = modal_stage(case.model_copy(update={"rotation": effects}))
@@ -203,15 +204,15 @@ def couple_even(
         raise UserError(f"stability: {error}") from None
     all_modes = replace(all_modes, modes=replace(all_modes.modes, with_pi=with_pi))
     if case.rotation.effects != "none":
-        rotation = rotation_matrices(modal.disk)
-        all_modes = at_speed(all_modes, rotation, case.rotation.effects)
+        disk = replace(modal.disk, structure=rotation_matrices(modal.disk))
+        all_modes = at_speed(all_modes, disk.structure.under(case.rotation.effects))
     stage = _chosen(all_modes, modes)
     stage = stage if physical else stage.with_unit_amplitudes()
     return EvenSystem(
         modes=stage.modes,
         stage=stage,
         all_modes=all_modes,
-        rotation=rotation,
+        disk=disk,
         damped=damped,
         physical=physical,
         reference=modal.reference_frequency,

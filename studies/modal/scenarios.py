@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.rotation.at_speed import TurningDisk
-from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.postprocess.modal.motion import shown_clearance
 from bladewhirl.solvers.stability.coupled_modes import wave_coefficient
@@ -75,7 +74,7 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
     if not on_casing.size:
         raise UserError("the casing has no mode with k = 1")
     wall = float(casing_modes.frequency[on_casing[0]])
-    if stage.turning is not None and stage.case.rotation.effects == "full":
+    if stage.case.rotation.effects == "full":
         frequency, shape = _backward_wave(stage, stage.turning, family, wall)
     else:
         frequency = float(disk_modes.frequency[on_disk[0]])
@@ -98,7 +97,7 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
 
 
 def _backward_wave(
-    stage: ModalStage, turning: TurningDisk, family: str, wall: float
+    stage: ModalStage, turning: BladedDiskModel, family: str, wall: float
 ) -> tuple[float, FloatArray]:
     """Return frequency [rad/s] and field (size, 1) of the backward k = 1 wave of a family, at the
     speed at which it coincides with a casing wave of the frequency `wall` [rad/s]; the crest of the
@@ -108,7 +107,7 @@ def _backward_wave(
         UserError: there is no coincidence speed, or the bearings are unequal.
     """
     refuse_unequal_bearings(family, stage.case)
-    disk_waves = waves(turning.matrices, SHAFT, "full")
+    disk_waves = turning.structure.wave(SHAFT)
     branch, modes = stage.disk_modes.one_a_pair(), stage.disk_modes
     pairs = [i for i in branch if modes.nodal_diameter[i] == SHAFT]
     rank = [modes.family[i] for i in pairs].index(family)
@@ -120,7 +119,7 @@ def _backward_wave(
     ]
     if not met:
         raise UserError(f"{family}: the backward wave coincides with the casing wave at no speed")
-    structure = turning.matrices.at_speed(float(met[0]), "full")
+    structure = turning.structure.still.at(float(met[0]))
     whirl = whirl_modes(structure)
     backward = np.array(whirl.direction) == "backward"
     chosen = backward & (whirl.nodal_diameter == SHAFT) & (whirl.rank == rank)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.fields import SMALLEST
@@ -203,11 +203,18 @@ def _families_at_case(stage: ModalModel, computed: xr.Dataset) -> list[str]:
 
 
 def _over_shaft(stage: ModalModel, springs: FloatArray) -> ShaftVeering:
-    block = stage.shaft_block
-    centre = np.zeros(len(block.mass), dtype=np.complex128)
+    block, omega = stage.shaft_block, stage.speed
+    centre = np.zeros(block.size, dtype=np.complex128)
     centre[-1] = 1.0
     options: dict[str, Any] = {"springs": springs, "branches": min(BRANCHES, len(centre) - 1)}
+    matrices: tuple[ComplexArray, ...] = (
+        block.mass,
+        block.stiffness_at(omega),
+        omega * block.known("gyroscopic"),
+    )
+    elastic = block.stiffness
+    if omega < 0.0:  # waves against the rotation then travel backward
+        matrices, elastic = tuple(map(np.conj, matrices)), elastic.conj()
     if block.gyroscopic is None:
-        return shaft_veering(block.stiffness, block.mass, centre, **options)
-    matrices = block.mass, block.stiffness, block.gyroscopic
-    return whirl_veering(matrices, block.elastic, centre, **options)
+        return shaft_veering(matrices[1], matrices[0], centre, **options)
+    return whirl_veering(matrices, elastic, centre, **options)

@@ -1,6 +1,7 @@
 """Bladed disks with rotation effects, compared with closed-form solutions and with a reference:
 independent finite elements (data/rotation.json)."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -10,10 +11,10 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.rotation.at_speed import speed_of_growth, static_displacement, tip_growth
-from bladewhirl.models.rotation.matrices import RotationMatrices, axial_force, rotation_matrices
-from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.rotation.at_speed import speed_of_growth
+from bladewhirl.models.rotation.matrices import axial_force, rotation_matrices
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
@@ -33,8 +34,8 @@ def known(stage: str) -> Any:
 
 
 @cache
-def turning(stage: str) -> RotationMatrices:
-    """Return the rotation matrices of a stage."""
+def turning(stage: str) -> Structure:
+    """Return the bladed disk of a stage with the matrices of its rotation."""
     return rotation_matrices(bladed_disk(disk_thickness=float(stage)))
 
 
@@ -43,7 +44,7 @@ def centrifugal_frequencies(stage: str) -> Pair:
     """Compare six frequencies of each nodal diameter, negative if unstable, with the reference."""
     expected, computed = [], []
     for row in known(stage)["speeds"]:
-        structure = turning(stage).at_speed(row["omega"], "centrifugal")
+        structure = turning(stage).at(row["omega"], "centrifugal")
         if structure.layout is None:
             raise ValueError("expected a stage of equal sectors")
         for k, (mass, stiffness) in structure.layout.blocks(structure.mass, structure.stiffness):
@@ -60,7 +61,7 @@ def travelling_waves(stage: str) -> Pairs:
     slow, fast = (tuple[list[Any], list[Any]](([], [])) for _ in range(2))
     growth = []
     for row in known(stage)["speeds"]:
-        modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
+        modes = whirl_modes(turning(stage).at(row["omega"], "full"))
         expected, computed = slow if row["ratio"] < 2.0 else fast
         for way in ("backward", "forward"):
             ways = np.isin(modes.direction, [way, "standing"])
@@ -88,8 +89,8 @@ def tension(stage: str) -> Pairs:
     growth, forces = (tuple[list[Any], list[Any]](([], [])) for _ in range(2))
     for row in known(stage)["speeds"]:
         omega = row["omega"]
-        linear = static_displacement(matrices, omega, follows=False)
-        followed = np.broadcast_to(tip_growth(disk, matrices, omega), 22)
+        linear = matrices.static_displacement(omega, follows=False)
+        followed = matrices.static_displacement(omega)[disk.tip_radial]
         growth[0].append([[row["tip_growth"]] * 22, [row["tip_growth_softened"]] * 22])
         growth[1].append([linear[disk.tip_radial], followed])
         stations = np.array([0.0, 0.5, 1.0])
@@ -107,10 +108,10 @@ def critical_speeds(stage: str) -> Pair:
     rest, with centrifugal effects and with Coriolis forces."""
     row, matrices = known(stage), turning(stage)
     expected = [row["critical_speed"]]
-    computed = [waves(matrices, 1, "full").synchronous(0)[0][0]]
+    computed = [matrices.wave(1).synchronous(0)[0][0]]
     for order in row["engine_orders"]:
         for effects, key in KEYS.items():
-            computed.append(waves(matrices, order["k"], effects).synchronous(order["k"])[0][0])
+            computed.append(matrices.wave(order["k"]).under(effects).synchronous(order["k"])[0][0])
             expected.append(order[key])
     return expected, np.array(computed) / (2 * np.pi * row["reference_hz"])
 
@@ -118,8 +119,8 @@ def critical_speeds(stage: str) -> Pair:
 @verifies(*STAGES)
 def speed_of_one_millimetre(stage: str) -> Pair:
     """Compare the speed at which tips grow by 1 mm, under the follower load, with the reference."""
-    row = known(stage)
-    speed = speed_of_growth(bladed_disk(disk_thickness=float(stage)), turning(stage), 1e-3)
+    row, disk = known(stage), bladed_disk(disk_thickness=float(stage))
+    speed = speed_of_growth(replace(disk, structure=turning(stage)), 1e-3)
     return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
 
 
@@ -128,21 +129,15 @@ def internal_damping(stage: str) -> Pairs:
     """Compare growth rate and frequency of the fastest growing k = 1 wave with the reference. Modal
     damping of the modes at rest rotates with the disk."""
     row, matrices = known(stage), turning(stage)
-    layout = matrices.structure.layout
-    if layout is None:
-        raise ValueError("expected a stage of equal sectors")
-    basis, at_rest = layout.basis(1), (matrices.structure.mass, matrices.structure.stiffness)
-    mass, stiffness, geometric, translated, coriolis = (
-        (basis.conj().T @ each @ basis).toarray()
-        for each in (*at_rest, matrices.geometric, matrices.mass, matrices.coriolis)
-    )
+    block = matrices.wave(1)
+    mass, stiffness = block.mass, block.stiffness
     square, modes = la.eigh(stiffness, mass)
     damping = mass @ modes @ np.diag(0.01 * np.sqrt(square)) @ modes.conj().T @ mass
     known_rates, fastest = np.array(row["growth_rates_xi_0.005"]), []
     for ratio in known_rates[:, 0]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
-        at_speed = stiffness + omega**2 * (geometric - translated)
-        exponents, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
+        at_speed = damping + omega * block.known("gyroscopic"), block.stiffness_at(omega)
+        exponents, _ = damped_eigenvalues(mass, *at_speed)
         fastest.append(exponents[exponents.real.argmax()])
     hertz = np.abs(np.imag(fastest)) / (2 * np.pi)
     return {
@@ -160,7 +155,7 @@ def steady_answer(stage: str) -> Pair:
     force[disk.centre[0]] = 1.0
     for ratio, _, _ in row["steady_per_newton"]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
-        answer = spla.spsolve(turning(stage).stiffness(omega).tocsc(), force)
+        answer = spla.spsolve(turning(stage).stiffness_at(omega).tocsc(), force)
         computed.append([answer[disk.centre[0]], np.abs(answer[disk.tip_radial]).max()])
     return [known_answer[1:] for known_answer in row["steady_per_newton"]], computed
 
@@ -200,7 +195,7 @@ def flapwise_cantilevers() -> Pair:
     rows, computed = reference("rotation")["cantilevers"]["flapwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], 1e3, 12)
-        structure = rotation_matrices(disk).at_speed(row["gamma"] / time, "centrifugal")
+        structure = rotation_matrices(disk).at(row["gamma"] / time, "centrifugal")
         lowest = la.eigvalsh(structure.stiffness.toarray(), structure.mass.toarray())[:6]
         squares = np.unique(np.round(lowest * time**2, 6))[:2]
         computed.append(np.sqrt(squares + row["gamma"] ** 2))
@@ -214,7 +209,7 @@ def coriolis_cantilevers() -> Pair:
     rows, computed = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], row["alpha"], 20)
-        modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
+        modes = whirl_modes(rotation_matrices(disk).at(row["gamma"] / time, "full"))
         computed.append(modes.frequency[modes.nodal_diameter == 0][:2] * time)
     return [row["frequencies"][:2] for row in rows], computed
 
@@ -226,7 +221,7 @@ def rigid_disk() -> Pair:
     disk = blades_on(3, 0.3, stiff, clamped=False)
     computed: list[FloatArray] = []
     for omega in (30.0, 200.0):
-        modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
+        modes = whirl_modes(rotation_matrices(disk).at(omega, "full"))
         swinging = (modes.nodal_diameter == 1) & (modes.frequency < 1e3)
         chosen = modes.take(np.flatnonzero(swinging))
         computed.append(np.abs(chosen.static_frequency(omega)))
@@ -241,7 +236,7 @@ def rod() -> Pair:
     matrices = rotation_matrices(disk)
     kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
     computed = [
-        static_displacement(matrices, omega, follows=follows)[disk.tip_radial[0]] / 0.5
+        matrices.static_displacement(omega, follows=follows)[disk.tip_radial[0]] / 0.5
         for follows in (False, True)
     ]
     return [kappa**2 / 3.0, np.tan(kappa) / kappa - 1.0], computed

@@ -23,6 +23,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.fused_support import with_fuse
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
+from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.studies.verification.bodies import (
     marched,
     point_mass,
@@ -72,7 +73,15 @@ def masses_on_springs(
         Load(rotor=base**2 * force[0], casing=np.zeros(1), by_square=base**-2.0),
         Load(rotor=force[1], casing=np.zeros(1), constant=0.0, by_acceleration=-1.0),
     )
-    change = SpeedChange(course=course, stiffening=-np.eye(modes), coriolis=coriolis)
+    one = np.eye(modes)
+    turning = Rotating(
+        mass=one,
+        stiffness=np.diag(rotor.stiffness),
+        gyroscopic=2.0 * coriolis,
+        stiffness_speed=-one,
+        speed=base,
+    )
+    change = SpeedChange(course=course, rotor=turning)
     given = problem(rotor, wall(1e3), loads=loads, speed=base)
     return replace(given, change=change)
 

@@ -79,7 +79,7 @@ def monodromy(ratio: str) -> Floquet:
     return floquet(
         lambda times: modes.equations.stiffness(given.speed * times, KAPPA),
         period=2.0 * np.pi / given.speed,
-        damping=modes.equations.damping,
+        damping=modes.equations.structure.damping,
     )
 
 
@@ -112,7 +112,7 @@ def growth_without_pi() -> Pair:
 def monodromy_by_runge_kutta() -> Pair:
     """Compare the monodromy matrix, scaled by the reference frequency, with Runge-Kutta."""
     given, modes = coupled("0.005")
-    size, damping = modes.size, modes.equations.damping
+    size, damping = modes.size, modes.equations.structure.drag(0.0)
 
     def rate(time: float, state: FloatArray) -> FloatArray:
         x, v = state.reshape(2, size, 2 * size)
@@ -145,15 +145,18 @@ def growth_of_a_march_at_speed() -> Pair:
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
     omega = at_rest.speed
-    of_rotation = system.modes.coriolis, system.modes.softening
-    modes = replace(coupling.modes, coriolis=of_rotation[0], softening=of_rotation[1])
+    names = ("gyroscopic", "stiffness_speed")
+    modes = replace(coupling.modes, **{name: getattr(system.modes, name) for name in names})
     on_rotor = ~modes.on_casing
     part = modes.take(on_rotor)
-    softening, turning = (part.over_entries(m) for m in (part.softening, part.coriolis))
-    square, axes = np.linalg.eigh(np.diag(part.frequency**2) + omega**2 * softening.real)
+    structure = replace(part.equations.structure, damping=None)
+    stiffness, turning = map(
+        part.over_entries, (structure.stiffness_at(omega), structure.drag(omega))
+    )
+    square, axes = np.linalg.eigh(stiffness.real)
     frequency = np.sign(square) * np.sqrt(np.abs(square))
     damping = axes.T @ np.diag(part.damping_rate) @ axes
-    coriolis = 2.0 * omega * axes.T @ turning.imag @ axes
+    coriolis = axes.T @ turning.imag @ axes
     by_velocity = np.kron(damping, np.eye(2)) + np.kron(coriolis, [[0.0, -1.0], [1.0, 0.0]])
     rotor = replace(
         at_rest.rotor,

@@ -154,10 +154,10 @@ class Reference:
         """Set the matrices that depend on the speed at step n."""
         dt, problem, modes = self._dt, self._problem, self._rotor_modes
         change = problem.change
-        if change is not None and change.coriolis is not None:
+        if change is not None and change.rotor is not None:
             self._felt = self._at_base.copy()
             further = 2.0 * (problem.speed_at(n * dt) - problem.speed)
-            self._felt[:modes, :modes] += further * change.coriolis
+            self._felt[:modes, :modes] += further * change.rotor.coriolis
         elif n > 0:
             return
         self._by_velocity = self._felt + self._late

@@ -141,7 +141,7 @@ def with_rotation(modes: CouplingModes) -> CouplingModes:
         height, width = 1 + modes.paired[i], 1 + modes.paired[j]
         block = np.array([[a, -b], [b, a]])[:height, :width]
         drawn[first : first + height, second : second + width] = block
-    return replace(modes, coriolis=drawn - drawn.T, softening=drawn + drawn.T)
+    return replace(modes, gyroscopic=drawn - drawn.T, stiffness_speed=drawn + drawn.T)
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -20,6 +20,7 @@ from bladewhirl.models.coupling.equations import CoupledEquations
 from bladewhirl.models.coupling.stage_modes import stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.solvers.stability.floquet import coupled_floquet, exponents
 from bladewhirl.solvers.stability.growth import growth_rate
 from bladewhirl.studies.commands.cli import app
@@ -64,7 +65,7 @@ def test_on_an_even_stage_it_is_the_same(
     even = even if modes == "all" else even.six_modes()
     even = even if physical else even.with_unit_amplitudes()
     system = coupled_waves(modal, modes=modes, damped=True, physical=physical)
-    assert len(system.frequency) == even.modes.size
+    assert system.structure.size == even.modes.size
     omega = speed * modal.reference_frequency
     turns = coupled_floquet(even.modes, speed=omega, kappa=kappa)
     expected = max(float(turn.growth) for turn in turns)
@@ -79,10 +80,10 @@ def test_on_an_even_stage_it_is_the_same(
 
 def by_angles(system: CoupledEquations, angle: float, kappa: float) -> FloatArray:
     """kappa times the integral of (w - u)^2, static angle by angle."""
-    stiffness = np.diag(system.frequency**2)
+    stiffness = system.structure.stiffness
     count = 400
     for theta in 2.0 * np.pi * np.arange(count) / count:
-        row = np.zeros(len(system.frequency))
+        row = np.zeros(system.structure.size)
         for k, casing, rotor in zip(system.harmonics, system.casing, system.rotor, strict=True):
             row += np.array([np.cos(k * theta), np.sin(k * theta)]) @ casing
             alpha = k * (theta - angle)
@@ -124,8 +125,9 @@ def test_bearings_that_stand_still_excite_whirl_at_the_suspension_frequency() ->
     mass, natural, swing = 2.0, 100.0, 2e3
     system = CoupledEquations(
         name=("x", "y"),
-        frequency=np.full(2, natural),
-        damping=np.zeros((2, 2)),
+        structure=Rotating(
+            mass=np.eye(2), stiffness=natural**2 * np.eye(2), damping=np.zeros((2, 2))
+        ),
         harmonics=np.zeros(0, dtype=np.int64),
         casing=np.zeros((0, 2, 2)),
         rotor=np.zeros((0, 2, 2)),
@@ -152,15 +154,17 @@ def test_dampers_are_in_the_damping_matrix() -> None:
     modal = uneven(changes)
     assert standing_obstacles(modal, damped=True)
     system = coupled_waves(modal, modes="all", damped=True, physical=True)
-    size = len(system.frequency)
-    stiffness = np.diag(system.frequency**2)
-    state = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -system.damping]])
+    size = system.structure.size
+    stiffness = system.structure.stiffness
+    state = np.block(
+        [[np.zeros((size, size)), np.eye(size)], [-stiffness, -system.structure.drag(0.0)]]
+    )
     exact = la.eigvals(state)
     actual = exponents(system, speed=0.9 * modal.reference_frequency, kappa=0.0)
     np.testing.assert_allclose(np.sort(actual.real), np.sort(exact.real), atol=1e-4)
     undamped = coupled_waves(modal, modes="all", damped=False, physical=True)
-    assert not undamped.damping.any()
-    assert exact.real.min() < -0.005 * system.frequency.max()
+    assert not undamped.structure.drag(0.0).any()
+    assert exact.real.min() < -0.005 * np.sqrt(system.structure.stiffness.max())
 
 
 @pytest.mark.parametrize("speed", [1.06, 1.3])
@@ -174,12 +178,12 @@ def test_rotating_axes_hold_unlike_blades_still(speed: float) -> None:
     )
     assert system.name == ("casing k=0", "casing k=1", "1F", "suspension")
     omega, kappa = speed * modal.reference_frequency, 1e5
-    size = len(system.frequency)
+    size = system.structure.size
 
     def rate(time: float, flat: FloatArray) -> FloatArray:
         place, velocity = flat.reshape(2, size, -1)
         stiffness = system.stiffness(np.array([omega * time]), kappa)[0]
-        return np.ravel([velocity, -stiffness @ place - system.damping @ velocity])
+        return np.ravel([velocity, -stiffness @ place - system.structure.drag(0.0) @ velocity])
 
     period = 2.0 * np.pi / omega
     turn = solve_ivp(
@@ -193,7 +197,7 @@ def test_rotating_axes_hold_unlike_blades_still(speed: float) -> None:
 
 def test_a_stage_that_nothing_holds_still_has_no_state_matrix() -> None:
     system = coupled_waves(uneven(RIB), modes="six", damped=False, physical=True)
-    assert system.state_matrix(0.0, 500.0).shape == (2 * len(system.frequency),) * 2
+    assert system.state_matrix(0.0, 500.0).shape == (2 * system.structure.size,) * 2
     with pytest.raises(ValueError, match="no frame makes the equations of this stage autonomous"):
         system.state_matrix(1.0, 500.0)
 

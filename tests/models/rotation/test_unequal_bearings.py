@@ -5,35 +5,35 @@ import pytest
 from stages import bladed_disk
 
 from bladewhirl.models.coupling.equations import difference_of_axes
-from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_unequal_bearings
-from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen
 
 HALF = 4e6  #: half the difference of the bearings [N/m]
 
 
 @pytest.fixture(scope="module")
-def matrices() -> RotationMatrices:
+def matrices() -> Structure:
     return rotation_matrices(bladed_disk())
 
 
-def elliptic(matrices: RotationMatrices, difference: float = HALF) -> EllipticWaves:
-    layout = matrices.structure.layout
+def elliptic(matrices: Structure, difference: float = HALF) -> EllipticWaves:
+    layout = matrices.layout
     assert layout is not None
     along_x = layout.basis(1).conj().T[:, bladed_disk().centre[:1]].toarray().ravel()
-    return on_unequal_bearings(waves(matrices, 1, "full"), along_x, difference)
+    return on_unequal_bearings(matrices.wave(1), along_x, difference)
 
 
 @pytest.mark.parametrize("omega", [0.0, 90.0, -250.0])
 def test_motions_solve_the_equations_with_springs_that_vary_in_rotating_axes(
-    matrices: RotationMatrices, omega: float
+    matrices: Structure, omega: float
 ) -> None:
     """x = B a + conj(B a), a = b exp(i Omega t), at an instant, with its derivatives."""
-    given, structure, time = elliptic(matrices), matrices.structure, 0.0123
+    given, structure, time = elliptic(matrices), matrices, 0.0123
     static = given.static
     rates, fields = gyroscopic_eigen(
-        static.mass, static.stiffness + omega**2 * static.softening, 2 * omega * static.coriolis
+        static.mass, static.stiffness_at(omega), omega * static.known("gyroscopic")
     )
     assert structure.layout is not None
     basis, size = structure.layout.basis(1), len(given.mass)
@@ -47,17 +47,15 @@ def test_motions_solve_the_equations_with_springs_that_vary_in_rotating_axes(
             * (basis @ sum((1j * w) ** n * np.exp(1j * w * time) * f for w, f in waves_of_b)).real
             for n in range(3)
         )
-        forces = matrices.stiffness(omega) @ x, 2.0 * omega * (matrices.coriolis @ v), varying @ x
+        forces = matrices.stiffness_at(omega) @ x, omega * (matrices.gyroscopic @ v), varying @ x
         rest = structure.mass @ a + sum(forces)
         assert np.abs(rest).max() < 1e-7 * max(np.abs(each).max() for each in forces)
         assert np.abs(varying @ x).max() > 1e-4 * np.abs(forces[0]).max()
 
 
 @pytest.mark.parametrize("omega", [60.0, 300.0, -300.0])
-def test_equal_bearings_leave_the_waves_and_their_order(
-    matrices: RotationMatrices, omega: float
-) -> None:
-    equal, given = waves(matrices, 1, "full"), elliptic(matrices, 1e-6)
+def test_equal_bearings_leave_the_waves_and_their_order(matrices: Structure, omega: float) -> None:
+    equal, given = matrices.wave(1), elliptic(matrices, 1e-6)
     scale = np.abs(equal.frequencies(omega)).max()
     np.testing.assert_allclose(
         given.frequencies(omega), equal.frequencies(omega), atol=1e-9 * scale
@@ -69,7 +67,7 @@ def test_equal_bearings_leave_the_waves_and_their_order(
 
 
 def test_a_motion_meets_the_casing_and_the_speed_at_its_frequency(
-    matrices: RotationMatrices,
+    matrices: Structure,
 ) -> None:
     given = elliptic(matrices)
     for speed in given.synchronous(0)[0][:2]:

@@ -9,7 +9,6 @@ from stages import bladed_disk
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.waves import waves as waves_of
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.models.structure.waves import Waves
@@ -106,9 +105,9 @@ def test_branches_are_ranked_from_the_lowest_both_ways(waves: Waves) -> None:
 @pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])
 def test_waves_of_a_bladed_disk_have_the_frequencies_of_its_modes(effects: Effects) -> None:
     matrices = rotation_matrices(bladed_disk())
-    modes = whirl_modes(matrices.at_speed(300.0, effects))
+    modes = whirl_modes(matrices.at(300.0, effects))
     signs = {"backward": 1.0, "forward": -1.0}
     own = modes.take(np.flatnonzero(modes.nodal_diameter == 2))
     signed = [signs[way] * w for way, w in zip(own.direction, own.frequency, strict=True)]
-    of_two = waves_of(matrices, 2, effects).frequencies(300.0)
+    of_two = matrices.wave(2).under(effects).frequencies(300.0)
     np.testing.assert_allclose(np.sort(signed), of_two.real[::-1], rtol=1e-8)

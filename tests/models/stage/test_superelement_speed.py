@@ -111,11 +111,8 @@ def static(problem: ContactProblem, speed: float, force: Any) -> Any:
     assert turned is not None
     assert turned.compliance is not None
     assert change is not None
-    assert change.stiffening is not None
-    square = speed**2 - problem.speed**2
-    further = square * change.stiffening
-    if change.stiffening4 is not None:
-        further = further + (speed**4 - problem.speed**4) * change.stiffening4
+    assert change.rotor is not None
+    further = change.rotor.change(speed)
     load = sum(
         (
             each.amplitude(0.0, Rotation(0.0, speed, 0.0), problem.speed) * each.rotor

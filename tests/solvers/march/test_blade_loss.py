@@ -13,9 +13,10 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.elements.bladed_disk import assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
-from bladewhirl.models.stage.blade_loss import RemainingDisk, lost_part, without_part
+from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.stage.blade_loss import lost_part, remaining_disk, without_part
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage, build_stage
@@ -65,7 +66,7 @@ class FullOrder:
         alone = without_part(model, replace(lost, nodes=others, lines=lines))
         loose = assemble_bladed_disk(alone, shaft_stiffness=0.0, clamped=case.shaft.clamped)
         self.before, self.fragment = rotation_matrices(self.disk), loose.structure
-        self.lost, self.remaining = lost, RemainingDisk.of(stage, lost)
+        self.lost, self.remaining = lost, remaining_disk(stage, lost).structure
 
     def damping(self, mass: FloatArray, stiffness: FloatArray) -> FloatArray:
         square, modes = la.eigh(stiffness, mass)
@@ -107,18 +108,18 @@ def full_march(stage: Stage, step: float, end: float) -> tuple[FloatArray, Float
     """Return times, centre and tips of a march in all degrees of freedom at constant speed."""
     case, omega = stage.case, stage.speed
     full = FullOrder(stage)
-    before, after = full.before, full.remaining.matrices
+    before, after = full.before, full.remaining
     centre = full.disk.centre
     unbalance = 50e-3 * omega**2
     turning = case.rotation.effects == "full"
     size = full.disk.structure.size
 
-    def matrices(given: RotationMatrices, mass: FloatArray, alive: Any) -> Any:
-        stiffness = dense(given.structure.stiffness)[np.ix_(alive, alive)]
+    def matrices(given: Structure, mass: FloatArray, alive: Any) -> Any:
+        stiffness = dense(given.stiffness)[np.ix_(alive, alive)]
         mass = mass[np.ix_(alive, alive)]
         damping = full.damping(mass, stiffness)
         if turning:
-            extra = dense(given.geometric - given.mass)[np.ix_(alive, alive)]
+            extra = dense(given.stiffness_speed)[np.ix_(alive, alive)]
             stiffness = stiffness + omega**2 * extra
             damping = damping + 2.0 * omega * dense(given.coriolis)[np.ix_(alive, alive)]
         return mass, damping, stiffness
@@ -127,18 +128,18 @@ def full_march(stage: Stage, step: float, end: float) -> tuple[FloatArray, Float
     force = np.zeros(size)
     force[centre[0]] = unbalance
     times = np.arange(round(LOST_AT / step) + 1) * step
-    mass, damping, stiffness = matrices(before, dense(before.structure.mass), whole)
+    mass, damping, stiffness = matrices(before, dense(before.mass), whole)
     first = constant_load(mass, damping, stiffness, force, np.zeros(2 * size), times)
-    alive = np.flatnonzero(dense(after.structure.mass).diagonal() > 0.0)
+    alive = np.flatnonzero(dense(after.mass).diagonal() > 0.0)
     if turning:
-        soft = dense(before.structure.stiffness) - omega**2 * dense(before.mass)
-        grown = np.linalg.solve(soft, omega**2 * before.load)
-        pull = omega**2 * (after.load + after.mass @ grown) - after.structure.stiffness @ grown
+        soft = dense(before.stiffness) - omega**2 * dense(before.translated)
+        grown = np.linalg.solve(soft, omega**2 * before.loads[:, 0])
+        pull = omega**2 * (after.loads[:, 0] + after.translated @ grown) - after.stiffness @ grown
     else:
         pull = -(omega**2) * rigid_pull(full)
     rest = np.concatenate([first[-1][alive], first[-1][size + alive]])
     later = np.arange(round((end - LOST_AT) / step) + 1) * step
-    mass, damping, stiffness = matrices(after, dense(after.structure.mass), alive)
+    mass, damping, stiffness = matrices(after, dense(after.mass), alive)
     second = constant_load(mass, damping, stiffness, (force + pull)[alive], rest, later)
     shown = np.zeros((len(later), size))
     shown[:, alive] = second[:, : len(alive)]
@@ -217,7 +218,7 @@ def test_momentum_and_energy_of_both_parts_are_those_before(effects: str) -> Non
     rest_of = shapes @ problem.loss.extension @ problem.loss.restriction
     kept_u, kept_v = rest_of @ start.rotor, rest_of @ start.rotor_velocity
     rigid, one = rigid_motions(full), full.disk.structure
-    other, part = full.remaining.disk.structure, full.fragment
+    other, part = full.remaining, full.fragment
     np.testing.assert_allclose(dense(other.mass + part.mass), dense(one.mass), atol=1e-13)
     momentum = rigid.T @ (one.mass @ v)
     parts = rigid.T @ (other.mass @ kept_v), rigid.T @ (part.mass @ v)
@@ -285,48 +286,45 @@ def test_a_blade_is_lost_while_the_speed_changes() -> None:
     displacement = (4.0 * fine.rotor_displacement - coarse.rotor_displacement) / 3.0
     full, course = FullOrder(stage), stage.case.march.course(stage.reference_frequency)
     assert course is not None
-    before, after, base = full.before, full.remaining.matrices, stage.speed
+    before, after, base = full.before, full.remaining, stage.speed
     size, (x, y) = full.disk.structure.size, full.disk.centre
-    soft = dense(before.structure.stiffness) - base**2 * dense(before.mass)
-    grown = np.linalg.solve(soft, base**2 * before.load)
+    soft = dense(before.stiffness) - base**2 * dense(before.translated)
+    grown = np.linalg.solve(soft, base**2 * before.loads[:, 0])
     first = float(course.speed(0.0))
-    stiff = dense(before.stiffness(base)) + (first**2 - base**2) * dense(
-        before.geometric - before.mass
-    )
+    stiff = dense(before.stiffness_at(first))
     state = np.zeros(2 * size)
     state[:size] = np.linalg.solve(
-        stiff, (first**2 - base**2) * (before.load + before.mass @ grown)
+        stiff, (first**2 - base**2) * (before.loads[:, 0] + before.translated @ grown)
     )
 
-    def marched_on(given: RotationMatrices, state: FloatArray, start: float) -> list[FloatArray]:
-        alive = np.flatnonzero(dense(given.structure.mass).diagonal() > 0.0)
+    def marched_on(given: Structure, state: FloatArray, start: float) -> list[FloatArray]:
+        alive = np.flatnonzero(dense(given.mass).diagonal() > 0.0)
         at = np.ix_(alive, alive)
-        mass, stiffness, turning, soften, geometric = (
+        mass, stiffness, turning, softening = (
             dense(each)[at]
             for each in (
-                given.structure.mass,
-                given.structure.stiffness,
-                given.coriolis,
                 given.mass,
-                given.geometric,
+                given.stiffness,
+                given.coriolis,
+                given.stiffness_speed,
             )
         )
         damping, count, h = full.damping(mass, stiffness), len(alive), 2.5e-5
         rows = np.concatenate([alive, size + alive])
-        pulled = given.load + given.mass @ grown
-        swept = given.euler + given.coriolis @ grown
+        pulled = given.loads[:, 0] + given.translated @ grown
+        swept = given.coriolis @ grown - given.loads[:, 1]
         state, states = np.append(state[rows], 1.0), [state]
         for step in range(400):
             time = start + (step + 0.5) * h
             speed, rate = float(course.speed(time)), float(course.acceleration(time))
-            force = speed**2 * pulled - given.structure.stiffness @ grown - rate * swept
+            force = speed**2 * pulled - given.stiffness @ grown - rate * swept
             force[x] += 50e-3 * speed**2
             force[y] -= 50e-3 * rate
             system = np.zeros((2 * count + 1, 2 * count + 1))
             system[:-1, :-1] = first_order(
                 mass,
                 damping + 2.0 * speed * turning,
-                stiffness + speed**2 * (geometric - soften) + rate * turning,
+                stiffness + speed**2 * softening + rate * turning,
             )
             system[count:-1, -1] = np.linalg.solve(mass, force[alive])
             state = la.expm(system * h) @ state
@@ -359,14 +357,14 @@ def test_a_free_rotor_keeps_what_the_lost_blade_leaves() -> None:
     momentum = chunk.angular_momentum
     for part in (momentum[~lost][:-1], momentum[lost]):
         np.testing.assert_allclose(part, part[0], rtol=1e-10)
-    turning = stage.turning
-    assert turning is not None
     assert problem.loss is not None
     assert problem.loss.after.drive is not None
-    matrices = full.remaining.matrices
-    soft = dense(full.before.structure.stiffness) - stage.speed**2 * dense(full.before.mass)
-    grown = np.linalg.solve(soft, stage.speed**2 * full.before.load)
-    inertia = 1.0 + matrices.inertia + grown @ (2.0 * matrices.load + matrices.mass @ grown)
+    matrices = full.remaining
+    soft = dense(full.before.stiffness) - stage.speed**2 * dense(full.before.mass)
+    grown = np.linalg.solve(soft, stage.speed**2 * full.before.loads[:, 0])
+    inertia = (
+        1.0 + matrices.inertia + grown @ (2.0 * matrices.loads[:, 0] + matrices.translated @ grown)
+    )
     np.testing.assert_allclose(momentum[lost][0], inertia * stage.speed, rtol=1e-10)
     energy = chunk.energy + chunk.rotor_energy - chunk.braking_work
     scale = np.abs(chunk.rotor_energy).max()
@@ -392,9 +390,9 @@ def test_the_shaft_is_displaced_about_the_new_centre_of_mass() -> None:
         stage = stage_of(**rigid_disk, march__speed=f"{factor * 20.0} rad/s")
         problem, full = contact_problem(stage), FullOrder(stage)
         assert problem.loss is not None
-        matrices, rigid = full.remaining.matrices, rigid_motions(full)
-        mass = float(rigid[:, 0] @ (matrices.structure.mass @ rigid[:, 0]))
-        unbalance = np.hypot(*(rigid[:, :2].T @ matrices.load))
+        matrices, rigid = full.remaining, rigid_motions(full)
+        mass = float(rigid[:, 0] @ (matrices.mass @ rigid[:, 0]))
+        unbalance = np.hypot(*(rigid[:, :2].T @ matrices.loads[:, 0]))
         after, square = problem.loss.after, stage.speed**2
         force = sum((load.rotor for load in after.loads), np.zeros(len(after.rotor.frequency)))
         moved = np.hypot(*(after.rotor.centre @ (force / after.rotor.stiffness)))

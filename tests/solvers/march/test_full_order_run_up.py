@@ -57,30 +57,29 @@ def full_orbit(case: bw.Case, base: float, reference: float) -> FloatArray:
     displacements from the static state at the speed `base` [rad/s]."""
     disk = case_bladed_disk(case, clamped=False)
     given, centre = rotation_matrices(disk), disk.centre
-    mass, stiffness, coriolis, geometric, moving = (
+    mass, stiffness, coriolis, stiffening, moving = (
         np.asarray(each.toarray())
         for each in (
-            given.structure.mass,
-            given.structure.stiffness,
-            given.coriolis,
-            given.geometric,
             given.mass,
+            given.stiffness,
+            given.coriolis,
+            given.known("stiffness_speed"),
+            given.translated,
         )
     )
-    grown = np.linalg.solve(stiffness - base**2 * moving, base**2 * given.load)
+    grown = np.linalg.solve(stiffness - base**2 * moving, base**2 * given.loads[:, 0])
     square, modes = la.eigh(stiffness, mass)
     weighted = mass @ modes
     damping = (weighted * (2.0 * case.damping.ratio * np.sqrt(square))) @ weighted.T
     static, size = np.zeros_like(mass), len(mass)
     static[centre[0], centre[1]], static[centre[1], centre[0]] = -DAMPER, DAMPER
     damping[centre, centre] += DAMPER
-    stiffening = geometric - moving
     square, shapes = la.eigh(stiffness + base**2 * stiffening, mass)
     damping, coriolis, softened, static = (
         shapes.T @ each @ shapes for each in (damping, coriolis, stiffening, static)
     )
-    pulled = shapes.T @ (given.load + moving @ grown)
-    swept = shapes.T @ (given.euler + given.coriolis @ grown)
+    pulled = shapes.T @ (given.loads[:, 0] + moving @ grown)
+    swept = shapes.T @ (given.coriolis @ grown - given.loads[:, 1])
     rows = shapes[centre]
     course = case.march.course(reference)
     assert course is not None

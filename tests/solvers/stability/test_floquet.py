@@ -84,8 +84,8 @@ def test_a_rotor_that_turns_agrees_with_its_autonomous_form(speed: float) -> Non
         amplitude=np.array([0.7, 0.5, -0.4]),
         damping_ratio=np.array([0.01, 0.0, 0.02]),
         paired=np.ones(3, dtype=np.bool_),
-        coriolis=drawn - drawn.T,
-        softening=drawn + drawn.T,
+        gyroscopic=drawn - drawn.T,
+        stiffness_speed=drawn + drawn.T,
     )
     (result,) = coupled_floquet(modes, speed=speed, kappa=0.3)
     assert result.period == pytest.approx(2.0 * np.pi / abs(speed))

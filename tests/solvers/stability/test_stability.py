@@ -63,8 +63,8 @@ def turning_pairs(damping_ratio: float, *, mirrored: bool) -> CouplingModes:
         amplitude=np.array([0.5, 0.4, 0.6, 0.3, 0.8, -0.5]),
         damping_ratio=np.full(6, damping_ratio),
         paired=np.ones(6, dtype=bool),
-        coriolis=coriolis,
-        softening=softening,
+        gyroscopic=2.0 * coriolis,
+        stiffness_speed=softening,
     )
 
 
@@ -82,11 +82,12 @@ def test_rotors_that_turn_have_the_same_spectrum_at_half_the_size(
         assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9)
         assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9)
         alone = modes.take([3, 4, 5])
-        coriolis, softening = map(alone.over_entries, (alone.coriolis, alone.softening))
+        rates = map(alone.over_entries, (alone.gyroscopic, alone.stiffness_speed))
+        turning, softening = rates
         waves = rotor_waves(alone, speed)
         assert len(np.unique(np.round(waves, 6))) == 6
         for nu in waves:
-            drag = 2.0 * speed * coriolis + np.diag(alone.damping_rate)
+            drag = speed * turning + np.diag(alone.damping_rate)
             held = np.diag(alone.frequency**2 - nu**2) + speed**2 * softening
             assert np.linalg.svd(held + 1j * nu * drag)[1].min() < 1e-9
 

@@ -14,7 +14,6 @@ from stages import oracle
 import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.rotation.critical_speeds import ORDERS
-from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
 from bladewhirl.postprocess.modal.veering import plot_critical_speeds
@@ -217,8 +216,7 @@ def test_a_disk_on_soft_springs_is_critical_at_its_frequency_at_rest() -> None:
 def test_the_shaft_whirls_at_the_speed_of_rotation(stiffness: float) -> None:
     speeds = critical_speeds(FEW, stiffnesses=np.array([stiffness]))["critical_speed"]
     own = modal_stage(bw.with_values(FEW, {"shaft.stiffness": stiffness}))
-    assert own.turning is not None
-    block = waves(own.turning.matrices, 1, "full")
+    block = own.turning.structure.wave(1)
     for direction, order in ORDERS.items():
         for rpm in speeds.sel(direction=direction).values.ravel():
             nearest = np.abs(block.frequencies(rpm / RPM) - order * rpm / RPM).min()

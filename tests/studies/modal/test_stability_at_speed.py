@@ -14,8 +14,8 @@ import bladewhirl as bw
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.rotation.internal_growth import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.waves import internal_growth, waves
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.solvers.stability.floquet import coupled_floquet, floquet
 from bladewhirl.solvers.stability.growth import (
@@ -53,13 +53,13 @@ def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
     omega, modes = speed * system.reference, system.modes
     rotor, numbers = system.stage.coordinates(on_casing=False)
     fields = system.stage.modal.disk_modes.fields(numbers)
-    assert system.rotation is not None
-    at_rest = replace(modes, coriolis=None, softening=None)
+    assert system.disk is not None
+    at_rest = replace(modes, gyroscopic=None, stiffness_speed=None)
     damping, softening = np.diag(modes.damping_rate[modes.entry]), np.zeros((modes.size,) * 2)
-    among, matrices = np.ix_(rotor, rotor), system.rotation
-    softening[among] = omega**2 * (fields.T @ (matrices.geometric - matrices.mass) @ fields)
+    among, matrices = np.ix_(rotor, rotor), system.disk.structure
+    softening[among] = omega**2 * (fields.T @ matrices.known("stiffness_speed") @ fields)
     if effects == "full":
-        damping[among] += 2.0 * omega * (fields.T @ matrices.coriolis @ fields)
+        damping[among] += omega * (fields.T @ matrices.known("gyroscopic") @ fields)
     turn = floquet(
         lambda times: softening + at_rest.equations.stiffness(omega * times, 400.0),
         period=2.0 * np.pi / abs(omega),
@@ -75,7 +75,8 @@ def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
 def test_blades_of_one_hand_have_complex_matrices() -> None:
     straight, curved = (coupled(name).modes for name in ("fan_stage", "curved_blades"))
     for modes, mirrored in ((straight, True), (curved, False)):
-        coriolis, softening = map(modes.over_entries, (modes.coriolis, modes.softening))
+        rates = map(modes.over_entries, (modes.gyroscopic, modes.stiffness_speed))
+        coriolis, softening = rates
         assert mirrored is not bool(coriolis.real.any() or softening.imag.any())
         np.testing.assert_allclose(coriolis, -coriolis.conj().T, atol=1e-12)
         np.testing.assert_allclose(softening, softening.conj().T, atol=1e-12)
@@ -88,8 +89,8 @@ def test_more_modes_at_rest_come_nearer_to_waves_at_speed() -> None:
         part = system.modes.harmonic(1)
         omega = 1.05 * system.reference
         computed = rotor_waves(part.take(~part.on_casing), omega).real
-        assert system.rotation is not None
-        exact = -waves(system.rotation, 1, "full").frequencies(omega).real
+        assert system.disk is not None
+        exact = -system.disk.structure.wave(1).frequencies(omega).real
         lowest = exact[np.argsort(np.abs(exact))[:2]]
         errors.append(max(np.abs(computed - rate).min() / abs(rate) for rate in lowest))
     assert errors[0] < 1e-2
@@ -128,7 +129,7 @@ def test_zones_begin_at_coincidences_at_speed() -> None:
     )
     assert zones.lower == pytest.approx([speed], rel=1e-4)
     assert zones.upper == pytest.approx([speed], rel=1e-4)
-    at_rest = coincidence_speeds(replace(system.modes, coriolis=None, softening=None))
+    at_rest = coincidence_speeds(replace(system.modes, gyroscopic=None, stiffness_speed=None))
     assert speed > 1.2 * at_rest[pair]  # Coriolis forces raise the backward wave
 
 
@@ -145,10 +146,10 @@ def test_a_zone_of_waves_that_never_meet_has_no_start() -> None:
 @pytest.mark.slow
 def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
     disk, row = bladed_disk(disk_thickness=0.01), oracle("rotation")["stages"]["0.01"]
-    matrices = rotation_matrices(disk)
+    disk = replace(disk, structure=rotation_matrices(disk))
     for ratio, growth, _ in row["growth_rates_xi_0.005"]:
         omega = 2.0 * np.pi * row["reference_hz"] * ratio
-        computed = internal_growth(disk, matrices, omega, "full", damping_ratio=0.005)
+        computed = internal_growth(disk, omega, "full", damping_ratio=0.005)
         if growth < 0.0:  # known of k = 1; others may decay more slowly
             assert growth - 1e-6 < computed.rate < 0.0
             assert computed.holding == 0.0
@@ -156,11 +157,11 @@ def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
         assert computed.rate == pytest.approx(growth, abs=1e-6)
         assert computed.nodal_diameter == 1
         assert computed.holding is not None
-        layout = matrices.structure.layout
+        layout = disk.structure.layout
         assert layout is not None
         assert 1 in nodal_diameters(layout.sectors)
         centre = np.asarray(layout.basis(1).conj().T[:, disk.centre].toarray())
-        growth = partial(waves(matrices, 1, "full").growth, omega, 0.005, centre)
+        growth = partial(disk.structure.wave(1).growth, omega, 0.005, centre)
         assert growth(computed.holding) == pytest.approx(0.0, abs=1e-7)
         assert growth(1.1 * computed.holding) < 0.0 < growth(0.0)
 

@@ -1,43 +1,14 @@
-"""Growth by internal damping of a bladed disk of beams, and its waves by nodal diameter."""
+"""Growth by internal damping of a bladed disk of beams."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import nodal_diameters
-from bladewhirl.models.rotation.matrices import RotationMatrices
 from bladewhirl.models.structure.rotating import Effects
-from bladewhirl.models.structure.waves import Waves
-
-
-def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> Waves:
-    """Return the matrices of one nodal diameter of a bladed disk with equal sectors.
-
-    Raises:
-        ValueError: the sectors are not equal.
-    """
-    structure = matrices.structure
-    if not structure.is_cyclic or structure.layout is None:
-        raise ValueError("waves of one nodal diameter need equal sectors")
-    basis = structure.layout.basis(nodal_diameter)
-
-    def block(matrix: sp.csr_array) -> ComplexArray:
-        return np.asarray((basis.conj().T @ matrix @ basis).toarray())
-
-    return Waves(
-        nodal_diameter=nodal_diameter,
-        mass=block(structure.mass),
-        stiffness=block(structure.stiffness),
-        gyroscopic=block(2.0 * matrices.coriolis),
-        stiffness_speed=block(matrices.geometric - matrices.mass),
-        springs=block(structure.springs),
-    ).under(effects)
-
 
 WEAKEST, STRONGEST = 1e-9, 1e3
 """Smallest and largest bearing damping that is tried, divided by mass at the centre times speed."""
@@ -57,26 +28,20 @@ class InternalGrowth:
 
 
 def internal_growth(
-    disk: BladedDiskModel,
-    matrices: RotationMatrices,
-    omega: float,
-    effects: Effects,
-    *,
-    damping_ratio: float,
+    disk: BladedDiskModel, omega: float, effects: Effects, *, damping_ratio: float
 ) -> InternalGrowth:
     """Return the growth that internal (modal) damping causes in a bladed disk with equal sectors.
 
     Args:
-        disk: the bladed disk.
-        matrices: matrices of the bladed disk.
+        disk: the bladed disk with the matrices of its rotation.
         omega: speed of rotation [rad/s].
         effects: rotation effects to include.
         damping_ratio: damping ratio of every mode at rest.
     """
-    layout = matrices.structure.layout
+    structure, layout = disk.structure, disk.structure.layout
     assert layout is not None  # its sectors are equal
     rates = {
-        k: waves(matrices, k, effects).growth(omega, damping_ratio)
+        k: structure.wave(k).under(effects).growth(omega, damping_ratio)
         for k in nodal_diameters(layout.sectors)
     }
     fastest = max(rates, key=lambda k: rates[k])
@@ -86,7 +51,7 @@ def internal_growth(
         holding = None
         if others <= 0.0 and disk.centre.size:
             centre = np.asarray(layout.basis(1).conj().T[:, disk.centre].toarray())
-            first = waves(matrices, 1, effects)
+            first = structure.wave(1).under(effects)
             mass = float(np.trace(centre.conj().T @ first.mass @ centre).real)
             growth = partial(first.growth, omega, damping_ratio, centre)
             holding = _holding(growth, mass * abs(omega))
