@@ -1,8 +1,9 @@
 """Finite element structure: its matrices, its table of degrees of freedom and its sectors."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -92,8 +93,18 @@ class Structure(Rotating[sp.csr_array]):
         """
         if not self.still.is_cyclic or self.layout is None:
             raise ValueError("waves of one nodal diameter need equal sectors")
-        blocks = self.still.projected(self.layout.basis(k), Waves.FORMS)
+        rest = replace(self, stiffness=self.elastic)
+        blocks = rest.projected(self.layout.basis(k), Waves.FORMS)
         return Waves(nodal_diameter=k, **{name: block.toarray() for name, block in blocks.items()})
+
+    def waves(self) -> Iterator[Waves]:
+        """Yield the matrices of each nodal diameter of equal sectors, with the stiffness at
+        rest."""
+        assert self.layout is not None
+        given = replace(self, stiffness=self.elastic).given(Waves.FORMS)
+        for k, blocks in self.layout.blocks(*given.values()):
+            matrices: dict[str, Any] = dict(zip(given, blocks, strict=True))
+            yield Waves(nodal_diameter=k, **matrices)
 
     @cached_property
     def is_cyclic(self) -> bool:

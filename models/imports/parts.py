@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,6 +20,7 @@ from bladewhirl.models.solids.groups import (
     sector_faces,
 )
 from bladewhirl.models.solids.positions import EXAMPLE
+from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     Matrix,
@@ -30,18 +31,13 @@ from bladewhirl.models.superelements.superelement import (
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForeignPart:
+class ForeignPart(Rotating[Matrix]):
     """Matrices and nodes of a part, in the units and axes of their program."""
 
     source: str  #: program and files, for messages and for the superelement
-    mass: Matrix  #: mass, (n, n)
-    stiffness: Matrix  #: stiffness, (n, n)
-    damping: Matrix | None = None  #: damping, (n, n)
-    gyroscopic: Matrix | None = None  #: matrix of the Coriolis forces at 1 rad/s, (n, n)
-    stiffness_speed: Matrix | None = None  #: change of the stiffness at 1 rad/s, (n, n)
-    stiffness_speed4: Matrix | None = None  #: its part that grows with speed^4, (n, n)
+    FORMS: ClassVar[tuple[str, ...]] = Superelement.FORMS
+
     blade_stiffness: Matrix | None = None  #: part of the stiffness of the blades, (n, n)
-    speed: float | None = None  #: speed of the stiffness [rad/s]; None if unknown
     numbers: IntArray  #: number of each node in the program, (nodes,)
     points: FloatArray  #: positions of the nodes, (nodes, 3)
     dofs: IntArray
@@ -58,30 +54,19 @@ class ForeignPart:
                 f" got {int(outside.max()) + 1}"
             )
 
-    @property
-    def size(self) -> int:
-        """Number of rows of the matrices."""
-        return int(self.mass.shape[0])
-
-    @property
-    def matrices(self) -> dict[str, Any]:
-        """Mass, stiffness and further matrices that are present, by name."""
-        given = {key: getattr(self, key) for key in Superelement.FORMS}
-        return {key: matrix for key, matrix in given.items() if matrix is not None}
-
     def without(self, rows: IntArray) -> "ForeignPart":
         """Return the part without some rows and columns of its matrices, whose displacements are
         fixed; `FIXED` is ignored."""
         kept = np.setdiff1d(np.arange(self.size), rows)
         place = np.full(self.size + 1, FIXED)  # the last entry is for displacements that are fixed
         place[kept] = np.arange(len(kept))
-        chosen = {key: matrix[kept][:, kept] for key, matrix in self.matrices.items()}
+        chosen = {key: matrix[kept][:, kept] for key, matrix in self.given(self.FORMS).items()}
         return replace(self, dofs=place[self.dofs], **chosen)
 
     def without_empty_rows(self) -> "ForeignPart":
         """Return the part without the rows that are zero in all matrices, such as those of the
         rotations of nodes of solids; `source` states their number."""
-        used = sum(abs(matrix).sum(axis=1) for matrix in self.matrices.values())
+        used = sum(abs(matrix).sum(axis=1) for matrix in self.given(self.FORMS).values())
         empty = np.flatnonzero(used == 0.0)
         if not len(empty):
             return self
@@ -200,7 +185,7 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
     dofs = part.dofs[:, AXES[choice.axis]]
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
-        **{key: mass * matrix for key, matrix in part.matrices.items()},
+        **{key: mass * matrix for key, matrix in part.given(part.FORMS).items()},
         speed=part.speed,
         contact_position=points[touching],
         contact_dofs=dofs[touching],

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
+from bladewhirl.models.structure.waves import Waves, spring_shares
 
 Direction = Literal["forward", "backward", "standing"]  #: direction in which a wave travels
 
@@ -130,39 +130,30 @@ def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
         count: number of the lowest modes; all if None, which takes a minute for a thousand degrees
             of freedom without symmetry.
     """
-    layout, gyroscopic = structure.layout, structure.drag(structure.speed or 0.0)
+    layout, omega = structure.layout, structure.speed or 0.0
     if layout is None or not structure.is_cyclic:
-        modes = _plain_modes(structure, gyroscopic, count)
+        modes = _plain_modes(structure, count)
     else:
-        matrices = structure.mass, structure.stiffness, gyroscopic
-        energies = structure.springs, structure.elastic
-        modes = joined_modes(
-            [
-                wave_modes(k, layout.sectors, block[:3], block[3:], layout)
-                for k, block in layout.blocks(*matrices, *energies)
-            ]
-        )
+        each = (wave_modes(wave, omega, layout.sectors, layout) for wave in structure.waves())
+        modes = joined_modes(list(each))
     return modes.take(np.argsort(modes.frequency, kind="stable")[:count])
 
 
 def wave_modes(
-    k: int,
-    sectors: int,
-    matrices: tuple[ComplexArray, ...],
-    energies: tuple[ComplexArray, ...],
-    layout: SectorLayout | None = None,
+    wave: Waves, omega: float, sectors: int, layout: SectorLayout | None = None
 ) -> WhirlModes:
-    """Return the modes of nodal diameter k.
+    """Return the modes of one nodal diameter at a speed [rad/s].
 
     Args:
-        k: nodal diameter.
+        wave: matrices of the nodal diameter.
+        omega: speed of rotation [rad/s].
         sectors: number of sectors.
-        matrices: mass, stiffness and Coriolis matrix of the nodal diameter.
-        energies: stiffness of the springs, and elastic stiffness.
         layout: degrees of freedom of the sectors; None if fields of all sectors are not needed.
     """
-    w, vectors = gyroscopic_eigen(*matrices)
-    size = len(vectors)
+    w, vectors = gyroscopic_eigen(
+        wave.mass, wave.stiffness_at(omega), omega * wave.known("gyroscopic")
+    )
+    size, k = wave.size, wave.nodal_diameter
     rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
     backward = np.repeat([True, False], size)
     ways: list[Direction] = ["backward" if each > 0.0 else "forward" for each in w.real]
@@ -174,7 +165,7 @@ def wave_modes(
         growth=-w.imag,
         nodal_diameter=np.full(len(w), k),
         purity=np.ones(len(w)),
-        spring_share=_share(vectors, *energies),
+        spring_share=wave.shares(vectors),
         direction=tuple(ways),
         rank=rank,
         backward_at_rest=backward,
@@ -183,9 +174,9 @@ def wave_modes(
     )
 
 
-def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | None) -> WhirlModes:
+def _plain_modes(structure: Structure, count: int | None) -> WhirlModes:
     """Return the modes of a structure without symmetry; w and -w describe the same motion."""
-    matrices = structure.mass, structure.stiffness, gyroscopic
+    matrices = structure.mass, structure.stiffness, structure.drag(structure.speed or 0.0)
     if count is None or structure.size <= DENSE_SIZE:
         w, vectors = gyroscopic_eigen(*(matrix.toarray() for matrix in matrices))
     else:
@@ -201,7 +192,7 @@ def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | No
         growth=-w.imag,
         nodal_diameter=diameter,
         purity=purity,
-        spring_share=_share(vectors, structure.springs, structure.elastic),
+        spring_share=spring_shares(vectors, structure.springs, structure.elastic),
         direction=tuple(ways),
         rank=np.full(len(w), NO_COLUMN),
         backward_at_rest=np.full(len(w), True),
@@ -256,17 +247,3 @@ def joined_modes(parts: Sequence[WhirlModes]) -> WhirlModes:
         if name != "layout":
             joined[name] = sum(values, ()) if isinstance(first, tuple) else np.concatenate(values)
     return replace(parts[0], **joined)
-
-
-def _share(
-    vectors: ComplexArray,
-    springs: ComplexArray | sp.csr_array,
-    elastic: ComplexArray | sp.csr_array,
-) -> FloatArray:
-    """Return the springs' share of the strain energy of each vector, (modes,)."""
-    in_springs, whole = (
-        np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real
-        for matrix in (springs, elastic)
-    )
-    whole = np.maximum(whole, np.maximum(in_springs, np.finfo(np.float64).tiny))
-    return np.asarray(in_springs / whole)

@@ -276,21 +276,8 @@ class ModalSuperelement(ModalModel):
             if found is not None:
                 labelled = replace(labelled, nodal_diameter=found[0], purity=found[1])
             return labelled
-        modes = joined_modes(
-            [
-                wave_modes(
-                    k,
-                    copies,
-                    (
-                        block.mass,
-                        self._wave(block).stiffness_at(omega),
-                        omega * block.known("gyroscopic"),
-                    ),
-                    (block.springs, block.stiffness),
-                )
-                for k, block in blocks.items()
-            ]
-        )
+        waves = (self._wave(block) for block in blocks.values())
+        modes = joined_modes([wave_modes(wave, omega, copies) for wave in waves])
         modes = modes.take(np.argsort(modes.frequency, kind="stable")[: self.count])
         family, before = wave_families(self._labelled(blocks, 0.0), modes)
         if (found := self._dominant(blocks, modes.amplitudes)) is not None:
@@ -392,10 +379,5 @@ def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:
     found = []
     for k, block in blocks.items():
         square, vectors = la.eigh(block.stiffness_at(omega))
-        strained, held = (
-            np.einsum("im,ij,jm->m", vectors.conj(), matrix, vectors).real
-            for matrix in (block.stiffness, block.springs)
-        )
-        share = held / np.maximum(np.maximum(held, np.abs(strained)), np.finfo(float).tiny)
-        found.append((k, square, vectors, share))
+        found.append((k, square, vectors, block.shares(vectors)))
     return modes_of_blocks(found, sectors)

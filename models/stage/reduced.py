@@ -126,15 +126,11 @@ def reduced_disk(
     """
     structure, boundary = disk.structure, reduction.boundary
     basis = craig_bampton_basis(structure, boundary, reduction.kept)
-    mass = basis.T @ (structure.mass @ basis)
-    stiffness = basis.T @ (structure.stiffness @ basis)
-    mass, stiffness = 0.5 * (mass + mass.T), 0.5 * (stiffness + stiffness.T)
-    gyroscopic, damped = None, stiffness
+    small = structure.projected(basis, ("mass", "stiffness", "gyroscopic"))
+    mass, gyroscopic, damped = small["mass"], None, small["stiffness"]
     if structure.gyroscopic is not None:
-        gyroscopic = disk.speed * (basis.T @ (structure.gyroscopic @ basis))
-        gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)
-        damped = basis.T @ (structure.elastic @ basis)
-        damped = 0.5 * (damped + damped.T)
+        gyroscopic = disk.speed * small["gyroscopic"]
+        damped = structure.still.projected(basis, ("stiffness",))["stiffness"]
     damping = modal_damping(mass, damped, case.damping.ratio).real
     blades, free = len(disk.tip_radial), len(sets["centre"])
     centre = 2 * blades + np.arange(free)
@@ -147,7 +143,7 @@ def reduced_disk(
             *(f"fixed-interface {mode}" for mode in range(reduction.kept)),
         ),
         mass=mass,
-        stiffness=stiffness,
+        stiffness=small["stiffness"],
         damping=damping,
         gyroscopic=gyroscopic,
         basis=basis,

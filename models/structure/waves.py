@@ -12,7 +12,7 @@ at the centre and takes energy from any whirl.
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.linalg as la
@@ -67,12 +67,7 @@ class Waves(Rotating[ComplexArray]):
     def shares(self, fields: ComplexArray) -> FloatArray:
         """Return for each field the share of its strain energy that is in the shaft springs,
         (fields,)."""
-        in_springs, strain = (
-            np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
-            for each in (self.springs, self.stiffness)
-        )
-        strain = np.maximum(strain, np.maximum(in_springs, np.finfo(np.float64).tiny))
-        return np.asarray(in_springs / strain)
+        return spring_shares(fields, self.springs, self.stiffness)
 
     def rank(self, omega: float, frequency: float) -> tuple[int, bool]:
         """Return the rank of the branch that is nearest to a frequency at a speed.
@@ -174,6 +169,15 @@ class Waves(Rotating[ComplexArray]):
         met = (speeds > 0.0) & (speeds <= highest)
         met &= self.nodal_diameter * speeds > casing_frequency
         return np.asarray(speeds[met])
+
+
+def spring_shares(fields: ComplexArray, springs: Any, elastic: Any) -> FloatArray:
+    """Return the springs' share of the strain energy of each field, (fields,)."""
+    in_springs, strain = (
+        np.einsum("im,im->m", fields.conj(), matrix @ fields).real for matrix in (springs, elastic)
+    )
+    strain = np.maximum(strain, np.maximum(in_springs, np.finfo(np.float64).tiny))
+    return np.asarray(in_springs / strain)
 
 
 def _polynomial_eigen(coefficients: list[ComplexArray]) -> tuple[ComplexArray, ComplexArray]:
