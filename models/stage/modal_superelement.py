@@ -54,11 +54,13 @@ from bladewhirl.models.superelements.nodal_blocks import (
     wheel_blocks,
     with_clamped_centre,
 )
-from bladewhirl.models.superelements.superelement import SuperelementError
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
-"""Number of further modes of each nodal diameter, which rotation may couple to the chosen ones: for
-modes at many speeds, and for those at the speed of the case."""
+"""Number of further modes of each nodal diameter, which rotation or damping may couple to the
+chosen ones: for modes at many speeds, and for those at the speed of the case."""
+
+FEWEST = 4  #: number of modes of each nodal diameter that are computed first where nothing couples
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -334,14 +336,20 @@ def modal_superelement(
     if case.rotation.effects != "none":
         highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
     table, part, clamped = stage.table, structure_of(case), None
-    each = families + COUPLED if count is None else count + COUPLED_AT_ONE_SPEED
+    couples = case.rotation.effects != "none" or part.damping is not None
+    couples |= part.gyroscopic is not None
+    each = families if count is None else count
+    if couples:
+        each += COUPLED if count is None else COUPLED_AT_ONE_SPEED
     try:
         if table.kind == "blade":
             blocks = blade_blocks(part, table.copies, each, highest)
         elif table.kind == "sector" and case.bladed_disk.mistuning.is_given(table.copies):
             blocks = {UNKNOWN: block_of(superelement_stage(case).reduced)}
-        elif table.kind == "sector":
+        elif table.kind == "sector" and (couples or count is None):
             blocks = sector_blocks(stage.given, table.copies, each, highest)
+        elif table.kind == "sector":
+            blocks = _lowest_blocks(stage.given, table.copies, each)
         else:
             total = each * (table.copies if count is None else 1)
             springs = case.shaft.stiffnesses
@@ -365,6 +373,18 @@ def modal_superelement(
         count=count,
         highest=highest,
     )
+
+
+def _lowest_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
+    """Return the blocks of equal sectors at rest, which have the `count` lowest modes."""
+    each = max(FEWEST, 2 * -(-count // (sectors // 2 + 1)))
+    while True:
+        blocks = sector_blocks(part, sectors, min(each, count))
+        squares = [np.diag(block.stiffness).real for block in blocks.values()]
+        reached = min(found.max() for found in squares)
+        if each >= count or np.count_nonzero(np.concatenate(squares) <= reached) >= count:
+            return blocks
+        each *= 2
 
 
 def _of_casing(stage: SuperelementStage) -> LabelledModes:

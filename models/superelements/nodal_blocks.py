@@ -69,8 +69,8 @@ class NodalBlock(Waves):
     strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, m)
     stresses: ComplexArray  #: stresses at the points [Pa kg^-1/2/m], (6p, m)
     blade: ComplexArray | None = None
-    """Displacements of all coordinates of the structure [kg^-1/2], (n, m), if it has
-    blade_stiffness and is a sector."""
+    """Displacements of all coordinates of the structure [kg^-1/2], (n, m), of a sector with
+    blade_stiffness whose nodes are touched."""
     blade_loads: ComplexArray | None = None
     """Forces of the stiffness of the blade in the modes of all nodal diameters, (m, loads)."""
 
@@ -122,7 +122,7 @@ def sector_blocks(
             for state in over_speeds(part, highest)
         ]
         of_blade = np.zeros((part.size, 0))
-        if part.blade_stiffness is not None:
+        if touched and part.blade_stiffness is not None:
             of_blade = _blade_loads(part, states, count)
             loads = sp.csc_array(sp.hstack([loads, of_blade]))
 
@@ -133,7 +133,7 @@ def sector_blocks(
             if wave.diameter != 0:
                 still: dict[str, Any] = dict.fromkeys(part.given(part.LOADS), np.zeros(made.size))
                 made = replace(made, **still)
-            if part.blade_stiffness is None:
+            if not touched or part.blade_stiffness is None:
                 return made
             return replace(made, blade=together, blade_loads=together.conj().T @ of_blade)
 

@@ -10,7 +10,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, progress_bar, reduction_bar
+from bladewhirl.studies.commands.terminal import emit, name_written, progress_bar, reduction_bar
 
 if TYPE_CHECKING:
     from bladewhirl.models.modal.modal_model import ModalModel
@@ -84,18 +84,18 @@ def modes(
         )
         return
 
-    stage = _model(case, overrides, count=count)
+    stage = _model(case, overrides, count=2 * count)  # of pairs
     if output is not None:
         from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     computed = study.modes(stage)
+    report, hertz = study.report(computed, count), computed.attrs["reference_frequency_hz"]
+    emit(report.document, *report.tables, f"ω₁ = {hertz:.6g} Hz", json=json)
+    _print_hints(report)
     if output is not None:
         draw_modes(stage, plan, output, overwrite=overwrite)
-    report, hertz = study.report(computed, count), computed.attrs["reference_frequency_hz"]
-    unit = f"ω₁ = {hertz:.6g} Hz"
-    emit(report.document, *report.tables, unit, json=json, written=[output])
-    _print_hints(report)
+        name_written([output], json=json)
 
 
 def campbell(

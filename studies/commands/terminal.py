@@ -62,6 +62,11 @@ def emit(
             typer.echo(part)
         else:
             Console().print(part, crop=False)
+    name_written(written, json=json)
+
+
+def name_written(written: Sequence[Path | None], *, json: bool) -> None:
+    """Print the names of written files and folders, with --json on standard error."""
     for path in written:
         if path is not None:
             typer.echo(f"Wrote {path}.", err=json)

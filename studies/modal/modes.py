@@ -172,9 +172,10 @@ def _pattern(modes: LabelledModes, number: int) -> str:
 
 
 def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
-    """Return the JSON document of `modes`: the `count` lowest modes of each body, ascending.
+    """Return the JSON document of `modes`: the lowest modes of each body, ascending, with `count`
+    frequencies, those of both modes of a degenerate pair.
 
-    Both modes of a degenerate pair are listed; with rotation effects, also directions of waves.
+    With rotation effects, directions of waves are listed too.
     """
     effects = computed.attrs["rotation_effects"] != "none"
     every = (*COLUMNS, *AT_SPEED) if effects else COLUMNS
@@ -182,7 +183,7 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
     columns = [column for column in every if known or column.key != "tip_motion"]
     lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
     return {
-        name: rows_of(data.isel(mode=slice(count)), columns)
+        name: rows_of(_lowest(data, count), columns)
         for name, selection in lists.items()
         if (data := _selected(computed, selection)) is not None
     }
@@ -194,8 +195,14 @@ def _selected(computed: xr.Dataset, selection: dict[str, str]) -> xr.Dataset | N
     return computed.isel(mode=np.all(chosen, axis=0)) if np.all(chosen, axis=0).any() else None
 
 
+def _lowest(data: xr.Dataset, count: int) -> xr.Dataset:
+    """Return the lowest modes of a body, of which both modes of a pair count as one."""
+    counted = np.flatnonzero(data["pattern"].values != "sine")
+    return data.isel(mode=slice(counted[count] if count < len(counted) else None))
+
+
 def report(computed: xr.Dataset, count: int) -> Study:
-    """Return the document and the tables of the `count` lowest modes of each body.
+    """Return the document and the tables of the lowest modes of each body, in `count` rows.
 
     A table has one row for both modes of a pair; the columns "purity" and "at rest" are left out if
     they contain no information.
@@ -209,7 +216,7 @@ def report(computed: xr.Dataset, count: int) -> Study:
         listed = _selected(computed, body)
         if listed is None:
             continue
-        data = listed.isel(mode=slice(count))
+        data = _lowest(listed, count)
         single = data.isel(mode=(data["pattern"] != "sine").values)
         unknown = bool((single["nodal_diameter"] < 0).all())
         plain = {

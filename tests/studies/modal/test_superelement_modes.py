@@ -20,6 +20,7 @@ from bladewhirl.models.structure.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.superelements import nodal_blocks
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
+from bladewhirl.studies.modal.modes import mode_lists
 
 LABELS = ("family", "nodal_diameter", "family_at_rest", "direction", "direction_static", "pattern")
 
@@ -61,6 +62,19 @@ def test_modes_of_a_part_are_those_of_its_beams(tmp_path: Path, kind: Kind) -> N
         assert other["family"].values.tolist() == [f"{n}F" for n in range(1, 7)]
         assert set(other["nodal_diameter"].values.tolist()) == {-1}
         assert other["frequency"].values == pytest.approx(one["frequency"].values[:6], rel=1e-9)
+
+
+def test_as_many_modes_are_listed_as_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pair is one row; the first trial has too few modes of each nodal diameter."""
+    monkeypatch.setattr("bladewhirl.models.stage.modal_superelement.FEWEST", 1)
+    case = exported(beams("sector"), "sector", tmp_path)
+    every, some = bw.modes(case, count=60), bw.modes(case, count=18)
+    assert some.sizes["mode"] < every.sizes["mode"]
+    lists = [mode_lists(each, 9)["bladed_disk"] for each in (some, every)]
+    assert lists[0] == lists[1]
+    assert len({(mode["family"], mode["nodal_diameter"]) for mode in lists[0]}) == 9
 
 
 @pytest.mark.slow
