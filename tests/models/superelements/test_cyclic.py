@@ -9,7 +9,7 @@ from solid_meshes import SECTORS, bladed_sector, wheel_frequencies
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.cyclic import cyclic_reduction
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import massless_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds
 
 
 @pytest.fixture(scope="module")
@@ -80,4 +80,4 @@ def test_what_is_not_a_sector_is_refused(free: Superelement) -> None:
 def test_a_free_sector_is_refused_in_one_line(free: Superelement) -> None:
     """Its rigid modes have frequencies of rounding errors, which must not be divided by."""
     with pytest.raises(SuperelementError, match=r"^expected a sector without rigid modes .*$"):
-        massless_wheel(free, SECTORS, 10)
+        WheelOverSpeeds(free, SECTORS, 10).at(0.0)

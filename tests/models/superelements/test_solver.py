@@ -18,7 +18,7 @@ from bladewhirl.models.superelements.reduction import massless, rigid_limit
 from bladewhirl.models.superelements.sector import Sector, Wave
 from bladewhirl.models.superelements.solver import MatrixPencil
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
-from bladewhirl.models.superelements.wheel import massless_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds
 
 steel = partial(mesh3d, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0)
 
@@ -138,6 +138,6 @@ def test_waves_of_a_sector_are_those_of_dense_matrices(sector: Superelement, rig
 def test_faults_of_a_sector_end_in_one_line(sector: Superelement) -> None:
     soft = replace(sector, stiffness=sector.stiffness - 1e-3 * sp.eye_array(sector.size) * 1e12)
     with pytest.raises(SuperelementError, match=r"^expected .* not indefinite$"):
-        massless_wheel(soft, SECTORS, 5)
+        WheelOverSpeeds(soft, SECTORS, 5).at(0.0)
     with pytest.raises(SuperelementError, match=r"fewer than .* free-interface modes"):
-        massless_wheel(sector, SECTORS, 5000)
+        WheelOverSpeeds(sector, SECTORS, 5000).at(0.0)
