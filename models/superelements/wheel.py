@@ -12,7 +12,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.structure.rotating import Rotating, of_modes
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
-from bladewhirl.models.superelements.cyclic import cyclic_reduction, transformation
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.further_modes import further, stiffest
 from bladewhirl.models.superelements.kept_reduction import (
     Arrays,
@@ -344,7 +344,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     Raises:
         SuperelementError: the superelement is not a sector.
     """
-    tie = sp.csr_array(cyclic_reduction(part, sectors, 0).transformation.real)
+    tie = sp.csr_array(transformation(part, sectors, 0).real)
     assert part.right_dofs is not None
     ahead = np.zeros(part.size)
     ahead[part.right_dofs[part.right_dofs != FIXED]] = 1.0
