@@ -1,7 +1,7 @@
 """Full finite element models of a case with their modes, for modal analysis."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -28,16 +28,21 @@ from bladewhirl.models.modal.describe import casing_arrays, stage_arrays
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, no_modes, whirl_families
 from bladewhirl.models.modal.modal_model import (
     UNEQUAL_SECTORS,
-    LabelledWhirlModes,
     ModalModel,
 )
-from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, lowest_pairs, natural_frequencies
+from bladewhirl.models.modal.modes import (
+    DENSE_LIMIT,
+    ListedModes,
+    Modes,
+    lowest_pairs,
+    natural_frequencies,
+)
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.modal.touching import Tips
+from bladewhirl.models.modal.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
 from bladewhirl.models.rotation.at_speed import speed_of_growth, turning_disk
 from bladewhirl.models.rotation.critical_speeds import shaft_waves
-from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, whirl_modes
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.models.structure.waves import Waves
 
@@ -125,22 +130,22 @@ class ModalStage(ModalModel):
         return self.at_speed[int(self.case.shaft.clamped)]
 
     @cached_property
-    def free_whirl(self) -> LabelledWhirlModes | None:
+    def free_whirl(self) -> WhirlModes | None:
         """Whirling modes of the bladed disk with a free centre; None without Coriolis forces."""
         return self._whirl(0)
 
     @cached_property
-    def clamped_whirl(self) -> LabelledWhirlModes | None:
+    def clamped_whirl(self) -> WhirlModes | None:
         """Whirling modes of the bladed disk with a clamped centre; None without Coriolis forces."""
         return self._whirl(1)
 
     @property
-    def disk_whirl(self) -> LabelledWhirlModes | None:
+    def disk_whirl(self) -> WhirlModes | None:
         """Whirling modes of the bladed disk with a free or clamped centre, as the case requires;
         None without Coriolis forces."""
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
-    def _whirl(self, centre: int) -> LabelledWhirlModes | None:
+    def _whirl(self, centre: int) -> WhirlModes | None:
         """Compute all whirling modes; for a large bladed disk with unequal sectors only the modes
         of the lowest families."""
         if self.case.rotation.effects != "full":
@@ -151,7 +156,7 @@ class ModalStage(ModalModel):
             count = WHIRL_FAMILIES * layout.sectors
         modes = whirl_modes(structure, count)
         family, at_rest = whirl_families(structure, modes, tip_in_sector(self.free_disk))
-        return LabelledWhirlModes(modes=modes, family=family, at_rest=at_rest)
+        return replace(modes, family=family, at_rest=at_rest)
 
     @property
     def effects(self) -> Effects:
@@ -162,14 +167,14 @@ class ModalStage(ModalModel):
         return "clamped" if self.case.shaft.clamped else "free"
 
     @property
-    def by_centre(self) -> dict[str, LabelledModes | LabelledWhirlModes]:
+    def by_centre(self) -> dict[str, ListedModes]:
         return {
             "free": self.free_whirl or self.free_modes,
             "clamped": self.clamped_whirl or self.clamped_modes,
         }
 
     @property
-    def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
+    def listed_modes(self) -> ListedModes:
         return self.disk_whirl or self.disk_modes
 
     @property

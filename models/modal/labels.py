@@ -17,10 +17,11 @@ from typing import Literal
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
+from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.mode_names import NamedModes
 from bladewhirl.models.modal.modes import (
+    ListedModes,
     Modes,
     ModeTable,
     align_phase,
@@ -28,7 +29,7 @@ from bladewhirl.models.modal.modes import (
     families,
     structure_modes,
 )
-from bladewhirl.models.rotation.whirl_modes import WhirlModes
+from bladewhirl.models.modal.whirl_modes import WhirlModes
 
 Body = Literal["bladed-disk", "casing"]
 
@@ -38,16 +39,9 @@ energy."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class LabelledModes(ModeTable):
-    """Modes with their families; of a degenerate pair the cosine mode is first."""
+class LabelledModes(ListedModes):
+    """Modes without Coriolis forces; of a degenerate pair the cosine mode is first."""
 
-    family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
-    at_rest: tuple[str, ...] = ()
-    """Families of the same branches at rest, (modes,); empty for a structure at rest."""
-    amplitudes: tuple[ComplexArray | FloatArray, ...]
-    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; the full field of a
-    mode with column -1."""
-    layout: SectorLayout | None  #: sectors of the structure
     size: int  #: number of free degrees of freedom of the structure
 
     def fields(self, chosen: IntArray) -> FloatArray:
@@ -60,11 +54,6 @@ class LabelledModes(ModeTable):
         sectors = self.layout.sectors if self.layout else 0
         return Modes(shapes=self.fields(chosen), sectors=sectors, **self.numbers(chosen))
 
-    def find(self, family: str, nodal_diameter: int) -> IntArray:
-        """Return the numbers of the modes of one family and nodal diameter, ascending."""
-        named = np.array([name == family for name in self.family], dtype=np.bool_)
-        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
-
     @property
     def named(self) -> NamedModes:
         """Families and nodal diameters of the modes, for selection by name."""
@@ -73,17 +62,6 @@ class LabelledModes(ModeTable):
     def one_a_pair(self) -> IntArray:
         """Return the numbers of all modes except the sine modes of pairs, ascending."""
         return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
-
-    def take(self, chosen: IntArray | slice) -> "LabelledModes":
-        """Return the chosen modes."""
-        kept = np.arange(self.count)[chosen]
-        return replace(
-            self,
-            family=tuple(self.family[i] for i in kept),
-            at_rest=tuple(self.at_rest[i] for i in kept if self.at_rest),
-            amplitudes=tuple(self.amplitudes[i] for i in kept),
-            **self.numbers(kept),
-        )
 
     def _field(self, mode: int) -> FloatArray:
         column, amplitude = int(self.column[mode]), self.amplitudes[mode]

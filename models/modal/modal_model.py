@@ -6,17 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.casing import CasingModel
-from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.modal.modes import ListedModes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.touching import Tips
-from bladewhirl.models.rotation.whirl_modes import WhirlModes
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.models.structure.waves import Waves
 
@@ -28,41 +24,6 @@ UNEQUAL_SECTORS = (
     " diameter"
 )
 """Error of studies of waves, which need a nodal diameter of each wave."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LabelledWhirlModes:
-    """Modes of a bladed disk with Coriolis forces."""
-
-    modes: WhirlModes
-    family: tuple[str, ...]  #: family of each mode, (modes,)
-    at_rest: tuple[str, ...]  #: family of each mode's branch at rest, (modes,)
-
-    @property
-    def nodal_diameter(self) -> IntArray:
-        """Dominant nodal diameter of each mode, (modes,)."""
-        return self.modes.nodal_diameter
-
-    def find(self, family: str, nodal_diameter: int) -> IntArray:
-        """Return the numbers of the modes of one family and nodal diameter, ascending."""
-        named = np.array(self.family) == family
-        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
-
-    def real_parts(self, chosen: IntArray) -> Modes:
-        """Return two real fields for each chosen mode: Re p and -Im p.
-
-        The motion of a mode is Re p cos(w t) - Im p sin(w t).
-        """
-        fields, twice = self.modes.fields(chosen), np.repeat(chosen, 2)
-        return Modes(
-            frequency=self.modes.frequency[twice],
-            column=np.full(len(twice), NO_COLUMN),
-            nodal_diameter=self.nodal_diameter[twice],
-            purity=self.modes.purity[twice],
-            spring_share=self.modes.spring_share[twice],
-            shapes=np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1),
-            sectors=0,
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,12 +76,12 @@ class ModalModel(ABC):
 
     @property
     @abstractmethod
-    def by_centre(self) -> Mapping[str, LabelledModes | LabelledWhirlModes]:
+    def by_centre(self) -> Mapping[str, ListedModes]:
         """Modes of the bladed disk at the speed of the case, by the state of its centre."""
 
     @property
     @abstractmethod
-    def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
+    def listed_modes(self) -> ListedModes:
         """Modes of the bladed disk at the speed of the case, with a free or a clamped centre as the
         case requires."""
 
@@ -141,7 +102,7 @@ class ModalModel(ABC):
         """
         return None
 
-    def tip_motions(self, modes: LabelledModes | LabelledWhirlModes) -> tuple[str, ...]:
+    def tip_motions(self, modes: ListedModes) -> tuple[str, ...]:
         """Return what the tip of a blade mostly does in each mode, see `tip_motion`; "" if it is
         not known.
 

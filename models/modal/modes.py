@@ -1,7 +1,7 @@
 """Natural modes of a structure, with nodal diameter, family and share of spring energy."""
 
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 import scipy.linalg as la
@@ -9,7 +9,13 @@ import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair, nodal_diameter_of, wave_shares
+from bladewhirl.models.elements.cyclic import (
+    NO_COLUMN,
+    SectorLayout,
+    is_pair,
+    nodal_diameter_of,
+    wave_shares,
+)
 from bladewhirl.models.elements.structure import Structure
 
 DENSE_LIMIT = 3000  #: largest structure whose modes are computed by a dense solver
@@ -40,6 +46,34 @@ class ModeTable:
     def numbers(self, chosen: IntArray | slice = slice(None)) -> dict[str, Any]:
         """Return the properties of the chosen modes, by name."""
         return {each.name: getattr(self, each.name)[chosen] for each in fields(ModeTable)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListedModes(ModeTable):
+    """Modes of a body with their families, as they are listed, chosen and drawn."""
+
+    family: tuple[str, ...] = ()  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
+    at_rest: tuple[str, ...] = ()
+    """Families of the same branches at rest, (modes,); empty for a structure at rest."""
+    amplitudes: tuple[ComplexArray | FloatArray, ...]
+    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; the full field of a
+    mode without symmetry."""
+    layout: SectorLayout | None  #: sectors of the structure
+
+    def find(self, family: str, nodal_diameter: int) -> IntArray:
+        """Return the numbers of the modes of one family and nodal diameter, ascending."""
+        named = np.array([name == family for name in self.family], dtype=np.bool_)
+        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
+
+    def take(self, chosen: IntArray | slice) -> Self:
+        """Return the chosen modes."""
+        kept, taken = np.arange(self.count)[chosen], dict[str, Any]()
+        for name, values in vars(self).items():
+            if isinstance(values, tuple):
+                taken[name] = tuple(values[i] for i in kept if values)
+            elif isinstance(values, np.ndarray):
+                taken[name] = values[kept]
+        return replace(self, **taken)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,7 +32,7 @@ from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.rigid import free_bodies, free_displacements
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.superelement import Superelement
 
 MOST_NODES = 100_000
@@ -240,7 +240,7 @@ def mesh3d(
         text = "the stiffness at speed is left out: it is not computed for solids with rigid bodies"
         warnings.warn(text, Hint, stacklevel=2)
         return part
-    tie = select if copies is None else select @ cyclic_reduction(part, copies, 0).transformation
+    tie = select if copies is None else select @ transformation(part, copies, 0)
     try:
         changes = stiffness_by_rotation(solid, stiffness, mass, tie, stiffening)
     except LinAlgError:  # the stiffness is singular

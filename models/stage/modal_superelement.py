@@ -26,15 +26,14 @@ from bladewhirl.models.modal.labels import (
 from bladewhirl.models.modal.modal_model import (
     FAMILIES,
     UNEQUAL_SECTORS,
-    LabelledWhirlModes,
     ModalModel,
     PointShapes,
 )
-from bladewhirl.models.modal.modes import families, is_first_of_pair
+from bladewhirl.models.modal.modes import ListedModes, families, is_first_of_pair
 from bladewhirl.models.modal.tip_motion import tip_motion
 from bladewhirl.models.modal.touching import Tips
+from bladewhirl.models.modal.whirl_modes import WhirlModes, joined_modes, wave_modes
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
-from bladewhirl.models.rotation.whirl_modes import joined_modes, wave_modes
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.models.stage.superelement_structure import (
@@ -95,17 +94,17 @@ class ModalSuperelement(ModalModel):
         return "clamped" if self.clamped_blocks is None else "free"
 
     @cached_property
-    def by_centre(self) -> dict[str, LabelledModes | LabelledWhirlModes]:
+    def by_centre(self) -> dict[str, ListedModes]:
         listed = self.blocks
         if self._table.kind == "blade":  # the same for every nodal diameter
             listed = {UNKNOWN: self.blocks[0]}
-        found: dict[str, LabelledModes | LabelledWhirlModes] = {self.centre: self._modes(listed)}
+        found: dict[str, ListedModes] = {self.centre: self._modes(listed)}
         if self.clamped_blocks is not None:
             found["clamped"] = self._modes(self.clamped_blocks)
         return found
 
     @property
-    def listed_modes(self) -> LabelledModes | LabelledWhirlModes:
+    def listed_modes(self) -> ListedModes:
         return self.by_centre[self.centre]
 
     @property
@@ -118,14 +117,10 @@ class ModalSuperelement(ModalModel):
             raise UserError(
                 f"{part.name}: expected a superelement with points, where mode shapes are drawn"
             )
-        amplitudes: Sequence[ComplexArray | FloatArray]
-        if isinstance(listed, LabelledWhirlModes):
-            ahead = np.array(listed.modes.direction) == "forward"  # p of exp(-i k angle)
-            amplitudes = listed.modes.amplitudes
-            columns = np.zeros(listed.modes.count, dtype=np.int64)
-        else:
-            amplitudes, columns = listed.amplitudes, listed.column
-            ahead = np.full(listed.count, False)
+        amplitudes, columns = listed.amplitudes, listed.column
+        ahead = np.full(listed.count, False)
+        if isinstance(listed, WhirlModes):
+            ahead = np.array(listed.direction) == "forward"  # p of exp(-i k angle)
         displacement = []
         for mode in numbers.tolist():
             k, column = int(listed.nodal_diameter[mode]), int(columns[mode])
@@ -146,14 +141,13 @@ class ModalSuperelement(ModalModel):
             stage=arrays,
         )
 
-    def tip_motions(self, modes: LabelledModes | LabelledWhirlModes) -> tuple[str, ...]:
+    def tip_motions(self, modes: ListedModes) -> tuple[str, ...]:
         part, copies = self.stage.part, self._table.copies
         of_blade = self.stage.given.contacts // (copies if self._table.kind == "wheel" else 1)
-        listed = modes.modes if isinstance(modes, LabelledWhirlModes) else modes
         clamped = self.clamped_blocks is not None and modes is self.by_centre["clamped"]
         blocks, found = self.clamped_blocks if clamped else self.blocks, []
         assert blocks is not None
-        for k, amplitude in zip(listed.nodal_diameter.tolist(), listed.amplitudes, strict=True):
+        for k, amplitude in zip(modes.nodal_diameter.tolist(), modes.amplitudes, strict=True):
             block = blocks[UNKNOWN] if UNKNOWN in blocks else blocks[max(k, 0)]
             moved = (block.contact @ amplitude).reshape(-1, of_blade, 3)
             most = int(np.linalg.norm(moved, axis=(1, 2)).argmax())
@@ -267,7 +261,7 @@ class ModalSuperelement(ModalModel):
         effects: Effects = self.case.rotation.effects
         return replace(block.under(effects), gyroscopic=block.under(self.effects).gyroscopic)
 
-    def _modes(self, blocks: Blocks) -> LabelledModes | LabelledWhirlModes:
+    def _modes(self, blocks: Blocks) -> ListedModes:
         """Return the lowest modes at the speed of the case."""
         copies, omega = self._table.copies, self.speed
         if self.effects != "full":
@@ -284,7 +278,7 @@ class ModalSuperelement(ModalModel):
         family, before = wave_families(self._labelled(blocks, 0.0), modes)
         if (found := self._dominant(blocks, modes.amplitudes)) is not None:
             modes = replace(modes, nodal_diameter=found[0], purity=found[1])
-        return LabelledWhirlModes(modes=modes, family=family, at_rest=before)
+        return replace(modes, family=family, at_rest=before)
 
     def _labelled(self, blocks: Blocks, omega: float) -> LabelledModes:
         """Return the modes without Coriolis forces at a speed [rad/s], with their families; the

@@ -539,7 +539,7 @@ def _reduced_at(
     assert table is not None
     if table.kind == "sector" and reduction.boundary == "massless":
         speeds = omega, highest
-        found = wheel_of_sectors(case, part, speeds, factor, turning=turning, others=others)
+        found = wheel_of_sectors(case, part, speeds, factor, others)
         return part, *found
     root, slower = None, list[Superelement]()
     if turning:

@@ -29,7 +29,7 @@ from bladewhirl.models.superelements.superelement import (
     Superelement,
     SuperelementError,
 )
-from bladewhirl.models.superelements.wheel import WheelOverSpeeds, massless_wheel, whole_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 
 LARGE = 2000
 """Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
@@ -121,8 +121,6 @@ def wheel_of_sectors(
     part: Superelement,
     speeds: tuple[float, float],
     factor: FloatArray,
-    *,
-    turning: bool,
     others: Sequence[float] = (),
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
@@ -132,17 +130,14 @@ def wheel_of_sectors(
         part: the sector.
         speeds: speed, and the highest speed at which the wheel is reduced [rad/s].
         factor: factor on the stiffness of each blade, (sectors,).
-        turning: whether the rotation acts on the structure.
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `further_modes.further`.
     """
-    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
+    table = case.bladed_disk.superelement
     assert table is not None
     mistuned = case.bladed_disk.mistuning.is_given(table.copies)
     if not mistuned:
         part = replace(part, blade_stiffness=None)
-        if not turning:
-            return massless_wheel(part, table.copies, modes, table.file)
     omega, highest = speeds
     return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None, others)
 

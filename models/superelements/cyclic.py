@@ -8,7 +8,6 @@ face of a sector is the clockwise (left) face of the next one, so u_right = exp(
 
 import cmath
 import math
-from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,21 +15,10 @@ import scipy.sparse as sp
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 
-class CyclicReduction(NamedTuple):
-    """Matrices of a sector for one nodal diameter, Hermitian; real if k = 0 or k = sectors / 2."""
-
-    mass: sp.csr_array  #: mass [kg], (m, m)
-    stiffness: sp.csr_array  #: stiffness [N/m], (m, m)
-    transformation: sp.csr_array
-    """Matrix from the m coordinates, all but those on the right face, to the coordinates of the
-    sector, (n, m)."""
-
-
-def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReduction:
-    """Return the matrices of one sector of a wheel that moves with nodal diameter k.
-
-    Mass and stiffness are T^H M T and T^H K T, with the tie u_right = exp(i k alpha) R u_left in T.
-    The motion of sector n is the real part of exp(i k n alpha) R^n T q.
+def transformation(part: Superelement, sectors: int, k: int) -> sp.csr_array:
+    """Return the tie T of a wheel that moves with nodal diameter k, (n, m): the matrix from the m
+    coordinates that are not on the right face to those of the sector, u_right = exp(i k alpha) R
+    u_left. The motion of sector n is the real part of exp(i k n alpha) R^n T q.
 
     Args:
         part: sector with left_dofs and right_dofs.
@@ -42,16 +30,6 @@ def cyclic_reduction(part: Superelement, sectors: int, k: int) -> CyclicReductio
         SuperelementError: the superelement is not a sector, or different components of the nodes
             are fixed on both faces.
     """
-    tie = transformation(part, sectors, k)
-    mass, stiffness = (
-        sp.csr_array(tie.conj().T @ sp.csr_array(matrix) @ tie)
-        for matrix in (part.mass, part.stiffness)
-    )
-    return CyclicReduction(mass, stiffness, tie)
-
-
-def transformation(part: Superelement, sectors: int, k: int) -> sp.csr_array:
-    """Return the tie of `CyclicReduction`, (n, m), see `cyclic_reduction`."""
     if part.left_dofs is None or part.right_dofs is None:
         raise SuperelementError(
             f"{part.name}: expected a sector, with left_dofs and right_dofs of its two faces"

@@ -288,6 +288,7 @@ def _block(
     return NodalBlock(
         **{**matrices, **rows, "mass": np.eye(modes, dtype=np.complex128)},
         nodal_diameter=nodal_diameter,
+        speed=part.speed,
         springs=centre.conj().T @ (np.array(springs)[:, None] * centre),
         contact=np.asarray(part.contact_rows @ fields),
         centre=centre,

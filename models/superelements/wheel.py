@@ -12,7 +12,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.structure.rotating import Rotating, of_modes
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.further_modes import further, stiffest
 from bladewhirl.models.superelements.kept_reduction import (
     Arrays,
@@ -31,11 +31,9 @@ from bladewhirl.models.superelements.reduction import (
     RIGID_SECTOR,
     ReducedSuperelement,
     check_count,
-    rigid_limit,
     root_of,
 )
-from bladewhirl.models.superelements.sector import Sector, Wave, sector_errors
-from bladewhirl.models.superelements.stresses import RECOVERED, ReducedStress, recovered_rows
+from bladewhirl.models.superelements.stresses import RECOVERED, ReducedStress
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     IndefiniteError,
@@ -74,83 +72,69 @@ class ReducedWave(Rotating[ComplexArray]):
         return diagonal(self.stiffness).real
 
 
-def massless_wheel(
-    part: Superelement, sectors: int, modes: int, file: str | None = None
-) -> tuple[Superelement, ReducedSuperelement]:
-    """Return the contact nodes of a wheel, and its reduction with a massless boundary.
-
-    Contact nodes are numbered sector by sector, counter-clockwise. Points for pictures and gauges
-    are those of all sectors.
-
-    Args:
-        part: sector with left_dofs and right_dofs.
-        sectors: number of sectors.
-        modes: number of free-interface modes for each nodal diameter; if it has two waves, for each
-            of them.
-        file: file of the sector, beside which its reduction is kept; None to keep nothing.
-
-    Returns:
-        a superelement with the contact nodes and the points of the wheel, whose coordinates are
-        modal coordinates with diagonal matrices; and the reduction.
-
-    Raises:
-        SuperelementError: the sector has too few coordinates, takes too much memory, or has rigid
-            modes.
-    """
-
-    def compute() -> Arrays:
-        with sector_errors(RIGID_SECTOR):
-            sector = Sector(part, sectors, modes=modes, loads=3 * part.contacts, rigid=False)
-            return flattened(sector.each_wave(lambda wave: _reduced(part, wave, modes)))
-
-    kept = compute() if file is None else kept_reduction(file, part, (sectors, modes), compute)
-    return _expanded(part, sectors, restored(ReducedWave, sectors // 2 + 1, kept))
-
-
 class WheelOverSpeeds:
-    """A wheel of sectors whose reduction at a speed takes milliseconds.
+    """A wheel of sectors with a massless boundary, whose reduction at a speed takes milliseconds.
 
     Its motions are the lowest modes of each nodal diameter, and the static displacements under
-    forces on the contact nodes, at rest, at half and at all of the highest speed.
+    forces on the contact nodes, at rest, at half and at all of the highest speed. Contact nodes are
+    numbered sector by sector, counter-clockwise. Points for pictures and gauges are those of all
+    sectors.
     """
 
     def __init__(
-        self, part: Superelement, sectors: int, modes: int, highest: float, file: str
+        self,
+        part: Superelement,
+        sectors: int,
+        modes: int,
+        highest: float = 0.0,
+        file: str | None = None,
     ) -> None:
         """Reduce the sector, or read what was kept of an earlier reduction.
 
         Args:
             part: sector with left_dofs and right_dofs; with blade_stiffness if blades differ.
             sectors: number of sectors.
-            modes: number of modes of each nodal diameter at a speed.
+            modes: number of free-interface modes of each nodal diameter at a speed; if it has two
+                waves, of each of them.
             highest: highest speed [rad/s].
-            file: file of the sector, beside which its reduction is kept.
+            file: file of the sector, beside which its reduction is kept; None to keep nothing.
 
         Raises:
-            SuperelementError: as for `massless_wheel`.
+            SuperelementError: the sector has too few coordinates, takes too much memory, or has
+                rigid modes.
         """
         self._part, self._sectors, self._modes = part, sectors, modes
-        own = part.blade_stiffness
+        own, size = part.blade_stiffness, transformation(part, sectors, 0).shape[1]
+        if modes >= size:
+            raise SuperelementError(
+                f"expected fewer than {size} free-interface modes, the coordinates of a sector"
+            )
+        count = modes + (FURTHER_MODES if highest or own is not None else 0)
 
         def compute() -> Arrays:
-            found = sector_blocks(part, sectors, modes + FURTHER_MODES, highest, touched=True)
+            found = sector_blocks(part, sectors, count, highest, touched=True)
             arrays = flattened(replace(each, blade=None) for each in found.values())
             fields = [each.blade for each in found.values() if each.blade is not None]
             return arrays | ({} if own is None else {"products": blade_products(own, fields)})
 
-        kept = kept_reduction(file, part, (sectors, modes, highest), compute)
+        settings = (sectors, modes, highest)
+        kept = compute() if file is None else kept_reduction(file, part, settings, compute)
         self._products = kept.get("products")
         self._blocks = restored(NodalBlock, sectors // 2 + 1, kept)
 
     def at(
         self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()
     ) -> tuple[Superelement, ReducedSuperelement]:
-        """Return the contact nodes of the wheel and its reduction at a speed, see `massless_wheel`.
+        """Return the contact nodes of the wheel and its reduction at a speed.
 
         Args:
             omega: speed of rotation [rad/s].
             factor: factor on the stiffness of each blade, (sectors,); None if blades are equal.
             others: other speeds, see `_of_block`; none if blades differ.
+
+        Returns:
+            a superelement with the contact nodes and the points of the wheel, whose coordinates are
+            modal coordinates with diagonal matrices; and the reduction.
 
         Raises:
             SuperelementError: the stiffness is not positive definite at this speed.
@@ -279,42 +263,6 @@ def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:
         yield [scale * phase * np.exp(1j * k * angle) for angle in spread]
 
 
-def _reduced(part: Superelement, wave: Wave, modes: int) -> ReducedWave:
-    """Return the lowest modes of one nodal diameter.
-
-    Raises:
-        SuperelementError: there are too few coordinates, or rigid modes.
-    """
-    if modes >= wave.size:
-        raise SuperelementError(
-            f"expected fewer than {wave.size} free-interface modes, the coordinates of a sector"
-        )
-    squares, shapes = wave.lowest(modes)
-    check_count(len(squares), modes)
-    if not squares[0] > rigid_limit(part):
-        raise IndefiniteError(RIGID_SECTOR)
-    forces = (part.contact_rows @ wave.tie).conj().T.toarray()
-    moved = wave.static(forces, shapes)
-    residual = forces.conj().T @ moved
-    fields, rest, steady = wave.tie @ shapes, wave.tie @ moved, np.zeros(0)
-    rows = recovered_rows(part)
-    if part.centrifugal_load is not None and wave.diameter == 0:
-        load = (wave.tie.T @ part.centrifugal_load)[:, None]
-        still = wave.static(load, shapes) + shapes @ (shapes.T @ load / squares[:, None])
-        steady = (rows["stresses"] @ (wave.tie @ still))[:, 0]
-    found = part.on_modes(squares, fields)
-    if wave.diameter != 0:
-        found |= dict.fromkeys(part.given(part.LOADS), np.zeros(modes))
-    return ReducedWave(
-        **found,
-        **{name: matrix @ fields for name, matrix in rows.items()},
-        **{f"{name}_by_force": matrix @ rest for name, matrix in rows.items()},
-        contact=part.contact_rows @ fields,
-        residual=0.5 * (residual + residual.conj().T),
-        steady=steady,
-    )
-
-
 def _of_block(
     block: NodalBlock,
     omega: float,
@@ -396,7 +344,7 @@ def whole_wheel(part: Superelement, sectors: int) -> Superelement:
     Raises:
         SuperelementError: the superelement is not a sector.
     """
-    tie = sp.csr_array(cyclic_reduction(part, sectors, 0).transformation.real)
+    tie = sp.csr_array(transformation(part, sectors, 0).real)
     assert part.right_dofs is not None
     ahead = np.zeros(part.size)
     ahead[part.right_dofs[part.right_dofs != FIXED]] = 1.0

@@ -17,9 +17,9 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.rotation.whirl_modes import Direction, in_sense_of_rotation
+from bladewhirl.models.modal.whirl_modes import Direction, WhirlModes, in_sense_of_rotation
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, line_rows, tip_rows
 from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.postprocess.modal.point_shapes import casing_shapes, point_arrays, point_shapes
@@ -66,7 +66,7 @@ def mode_motion(
     fixed = stage_dataset(arrays).assign_attrs(attributes)
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
-    whirls = on_disk and isinstance(stage.listed_modes, LabelledWhirlModes)
+    whirls = on_disk and isinstance(stage.listed_modes, WhirlModes)
     # The two fields of a whirling mode are one motion, whose direction does not depend on `wave`.
     (towards,) = in_sense_of_rotation((wave,), stage.speed)
     fields, played = (2, "forward") if whirls else (len(numbers), towards)
@@ -117,7 +117,7 @@ def _(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
         return data.assign(casing_purity=("casing_mode", stage.casing_modes.purity[numbers]))
     if stage.disk_whirl is None:
         return data.assign(rotor_purity=("rotor_mode", stage.disk_modes.purity[numbers]))
-    whirl = stage.disk_whirl.modes.take(numbers)
+    whirl = stage.disk_whirl.take(numbers)
     rotating, static = whirl.named_directions(stage.speed)
     return data.isel(rotor_mode=slice(None, None, 2)).assign(
         rotor_purity=("rotor_mode", whirl.purity),

@@ -15,8 +15,9 @@ from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.modal.whirl_modes import WhirlModes
 from bladewhirl.postprocess.modal.mode_shapes import DRAWN, PURE, mode_title
 from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, LIT, new_figure, styled
@@ -46,12 +47,11 @@ def point_shapes(model: ModalModel, numbers: IntArray) -> xr.Dataset:
     """
     listed, shapes = model.listed_modes, model.points(numbers)
     assert shapes is not None
-    modes = listed.modes if isinstance(listed, LabelledWhirlModes) else listed
     motions = model.tip_motions(listed)
     values: dict[str, Any] = {
-        "rotor_frequency": ("rotor_mode", modes.frequency[numbers], {"units": "rad/s"}),
-        "rotor_nodal_diameter": ("rotor_mode", modes.nodal_diameter[numbers]),
-        "rotor_purity": ("rotor_mode", modes.purity[numbers]),
+        "rotor_frequency": ("rotor_mode", listed.frequency[numbers], {"units": "rad/s"}),
+        "rotor_nodal_diameter": ("rotor_mode", listed.nodal_diameter[numbers]),
+        "rotor_purity": ("rotor_mode", listed.purity[numbers]),
         "rotor_family": ("rotor_mode", [listed.family[i] for i in numbers]),
         "rotor_tip_motion": ("rotor_mode", [motions[i] for i in numbers]),
         "point": (("points", "axis"), shapes.position, {"units": "m"}),
@@ -83,7 +83,7 @@ def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArray
     shapes, listed = model.points(disk), model.listed_modes
     assert shapes is not None
     fields = shapes.displacement.real
-    if isinstance(listed, LabelledWhirlModes):
+    if isinstance(listed, WhirlModes):
         fields = np.concatenate([fields, -shapes.displacement.imag])
     stage, position = shapes.stage, shapes.position
     first = stage.blade == 0 if len(stage.copy_angle) > 1 else np.full(len(stage.blade), True)
@@ -91,7 +91,6 @@ def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArray
     nodes = np.column_stack([radius[:, None] * directions(angle), stage.axial_position[first]])
     moved = fields[:, KDTree(position).query(nodes)[1]]
     names = ("blade", "node", "tip_angle", "contact_radius", "axial_position", "tip_recess")
-    modes = listed.modes if isinstance(listed, LabelledWhirlModes) else listed
     walls: dict[str, Any] = {}
     if model.casing is not None:
         wall = numbers if body == "casing" else np.zeros(1, dtype=np.int64)
@@ -109,8 +108,8 @@ def point_arrays(model: ModalModel, body: Body, numbers: IntArray) -> StageArray
         steady_stress=np.zeros(0),
         copy_stiffness=np.zeros(0),
         **walls,
-        rotor_frequency=np.resize(modes.frequency[disk], len(fields)),
-        rotor_nodal_diameter=np.resize(modes.nodal_diameter[disk], len(fields)),
+        rotor_frequency=np.resize(listed.frequency[disk], len(fields)),
+        rotor_nodal_diameter=np.resize(listed.nodal_diameter[disk], len(fields)),
         contact_shape=np.moveaxis(rotate(moved, -angle), 0, -1),
         copy_angle=np.zeros(1),
         point=position,

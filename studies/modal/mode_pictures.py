@@ -19,8 +19,10 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.mode_names import CASING
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.modal.labels import Body, LabelledModes
-from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
+from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.modal.modes import ListedModes
+from bladewhirl.models.modal.whirl_modes import WhirlModes
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,
@@ -154,8 +156,8 @@ def _wave(stage: ModalModel, mode: ChosenMode, wave: str | None) -> Wave:
     """
     waves = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
     listed = stage.listed_modes
-    if mode.body == "bladed-disk" and isinstance(listed, LabelledWhirlModes):
-        named, _ = listed.modes.named_directions(stage.speed)
+    if mode.body == "bladed-disk" and isinstance(listed, WhirlModes):
+        named, _ = listed.named_directions(stage.speed)
         waves = {named[number] for number in mode.numbers}
     amplified = FED[mode.body]
     if wave is None:
@@ -172,7 +174,7 @@ Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]  #: names of figures, wi
 
 def _shapes(stage: ModalModel, modes: list[ChosenMode]) -> Drawn:
     for body in BODIES:
-        whirls = body == "bladed-disk" and isinstance(stage.listed_modes, LabelledWhirlModes)
+        whirls = body == "bladed-disk" and isinstance(stage.listed_modes, WhirlModes)
         numbers = [
             number
             for mode in modes
@@ -206,11 +208,10 @@ def _film(
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
     modes, numbers = _modes_of(stage, mode.body), mode.numbers
-    table = modes.modes if isinstance(modes, LabelledWhirlModes) else modes
-    if isinstance(modes, LabelledWhirlModes):  # of the bladed disk
-        direction, _ = modes.modes.named_directions(stage.speed)
+    if isinstance(modes, WhirlModes):  # of the bladed disk
+        direction, _ = modes.named_directions(stage.speed)
         numbers = np.array([number for number in numbers if direction[number] == wave][:1])
-    purity, hertz = table.purity[numbers[0]], table.frequency[numbers[0]] / (2.0 * np.pi)
+    purity, hertz = modes.purity[numbers[0]], modes.frequency[numbers[0]] / (2.0 * np.pi)
     name = mode_title(mode.family, mode.nodal_diameter, purity)
     on_casing = mode.body == "casing"
     does = "" if on_casing else stage.tip_motions(modes)[numbers[0]]
@@ -268,7 +269,7 @@ def _of_family(
     modes, chosen = _modes_of(stage, body), []
     for k in diameters:
         numbers = modes.find(family, k)
-        order = modes.modes.rank if isinstance(modes, LabelledWhirlModes) else modes.column
+        order = modes.rank if isinstance(modes, WhirlModes) else modes.column
         paired = numbers.size and order[numbers[0]] >= 0
         groups = [numbers] if paired else list(numbers[:, None])
         groups = groups if every else groups[:1]
@@ -285,6 +286,6 @@ def _of_family(
     return chosen
 
 
-def _modes_of(stage: ModalModel, body: Body) -> LabelledModes | LabelledWhirlModes:
+def _modes_of(stage: ModalModel, body: Body) -> ListedModes:
     """Return the modes of a body; for a bladed disk with Coriolis forces, its whirling modes."""
     return stage.listed_modes if body == "bladed-disk" else stage.casing_modes

@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.models.modal.modal_model import LabelledWhirlModes, ModalModel
-from bladewhirl.models.modal.modes import is_first_of_pair
-from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.modal.modes import ListedModes, is_first_of_pair
+from bladewhirl.models.modal.whirl_modes import Direction, WhirlModes, directions
 from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
@@ -90,7 +89,7 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
     if count < 1:
         raise UserError(f"modes: count {count}: expected at least 1")
     stage = modal_model(case_or_stage, count=count)
-    lists: list[tuple[str, str, LabelledModes | LabelledWhirlModes]] = [
+    lists: list[tuple[str, str, ListedModes]] = [
         ("bladed-disk", centre, source) for centre, source in stage.by_centre.items()
     ]
     if stage.casing_modes.count:
@@ -106,11 +105,8 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
     )
 
 
-def _modes_of(
-    source: LabelledModes | LabelledWhirlModes, body: str, centre: str, stage: ModalModel
-) -> xr.Dataset:
+def _modes_of(modes: ListedModes, body: str, centre: str, stage: ModalModel) -> xr.Dataset:
     """Return all modes of one body."""
-    modes = source.modes if isinstance(source, LabelledWhirlModes) else source
     if isinstance(modes, WhirlModes):
         pattern = ["single" if way == "standing" else "wave" for way in modes.direction]
         rotating, static = modes.named_directions(stage.speed)
@@ -121,9 +117,9 @@ def _modes_of(
     texts = {
         "body": [body] * modes.count,
         "centre": [centre] * modes.count,
-        "family": source.family,
-        "family_at_rest": source.at_rest or source.family,
-        "tip_motion": stage.tip_motions(source) if body == "bladed-disk" else [""] * modes.count,
+        "family": modes.family,
+        "family_at_rest": modes.at_rest or modes.family,
+        "tip_motion": stage.tip_motions(modes) if body == "bladed-disk" else [""] * modes.count,
         "pattern": pattern,
         "direction": rotating,
         "direction_static": static,
@@ -150,7 +146,7 @@ def _modes_of(
 
 
 def _directions_of_pairs(
-    modes: LabelledModes, pattern: list[str], body: str, omega: float
+    modes: ListedModes, pattern: list[str], body: str, omega: float
 ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
     """Return the directions of the waves of real modes, in the rotating and in the static frame.
 
@@ -165,7 +161,7 @@ def _directions_of_pairs(
     return directions(rate, omega), directions(rate - rotation, omega)
 
 
-def _pattern(modes: LabelledModes, number: int) -> str:
+def _pattern(modes: ListedModes, number: int) -> str:
     if is_first_of_pair(modes.column, number):
         return "cosine"
     return "sine" if number and is_first_of_pair(modes.column, number - 1) else "single"

@@ -9,7 +9,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.rotation.whirl_modes import whirl_modes
+from bladewhirl.models.modal.whirl_modes import whirl_modes
 from bladewhirl.postprocess.modal.motion import shown_clearance
 from bladewhirl.solvers.stability.coupled_modes import wave_coefficient
 from bladewhirl.solvers.stability.scenario import (

@@ -13,9 +13,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.modal.whirl_modes import whirl_modes
 from bladewhirl.models.rotation.at_speed import speed_of_growth
 from bladewhirl.models.rotation.matrices import axial_force, rotation_matrices
-from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
 from bladewhirl.models.structure.rotating import Effects

@@ -20,7 +20,7 @@ from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
-from bladewhirl.models.superelements.wheel import massless_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import marched, problem
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
@@ -165,7 +165,7 @@ def wheel_of_sectors() -> Pair:
         "left_dofs": np.array([[0, 1, 2]]),
         "right_dofs": np.array([[6, 7, 8]]),
     }
-    _, reduced = massless_wheel(Superelement(**values), sectors, 4)
+    _, reduced = WheelOverSpeeds(Superelement(**values), sectors, 4).at(0.0)
     kept = (reduced.contact / reduced.frequency**2) @ reduced.contact.T
     tips = np.concatenate([6 * n + 3 + np.arange(3) for n in range(sectors)])
     return np.linalg.inv(whole)[np.ix_(tips, tips)].ravel(), (kept + reduced.compliance).ravel()

@@ -12,7 +12,7 @@ import numpy as np
 from places import ROOT
 
 from bladewhirl.meshes.cells import CELL_TYPES, CellType
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.superelement import Superelement
 
@@ -149,8 +149,9 @@ def wheel_frequencies(
         SuperelementError: the superelement is not a sector.
     """
     chosen = range(sectors // 2 + 1) if diameters is None else diameters
-    reductions = (cyclic_reduction(part, sectors, int(k)) for k in chosen)
-    return np.array([lowest_frequencies(one.mass, one.stiffness, count) for one in reductions])
+    ties = (transformation(part, sectors, int(k)) for k in chosen)
+    blocks = (part.projected(tie, ("mass", "stiffness")) for tie in ties)
+    return np.array([lowest_frequencies(**block, count=count) for block in blocks])
 
 
 def deck_text(mesh: meshio.Mesh, *elements: str) -> str:

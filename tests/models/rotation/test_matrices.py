@@ -12,10 +12,10 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bla
 from bladewhirl.models.elements.cyclic import SectorLayout
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.modal.whirl_modes import WhirlModes, directions, travelling, whirl_modes
 from bladewhirl.models.rotation.at_speed import speed_of_growth
 from bladewhirl.models.rotation.internal_growth import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.whirl_modes import WhirlModes, directions, travelling, whirl_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.structure.eigenproblems import (
     damped_eigenvalues,

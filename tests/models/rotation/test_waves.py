@@ -8,8 +8,8 @@ import pytest
 from stages import bladed_disk
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.modal.whirl_modes import whirl_modes
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.models.structure.waves import Waves
 

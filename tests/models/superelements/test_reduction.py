@@ -18,7 +18,7 @@ from bladewhirl.models.superelements.reduction import (
     root_of,
 )
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
-from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 
 STIFFNESS = (3e8, 2e7, 1e7)  #: of the springs along x, y and z [N/m]
 
@@ -149,7 +149,7 @@ def ring(sectors: int) -> tuple[Superelement, Superelement]:
 @pytest.mark.parametrize("sectors", [5, 6])
 def test_a_wheel_from_a_sector_is_the_whole_wheel(sectors: int) -> None:
     wheel, sector = ring(sectors)
-    nodes, reduced = massless_wheel(sector, sectors, 4)
+    nodes, reduced = WheelOverSpeeds(sector, sectors, 4).at(0.0)
     whole = np.sqrt(np.linalg.eigvalsh(wheel.stiffness / 0.01))
     lowest = reduced.frequency[: 2 * sectors]
     assert lowest == pytest.approx(whole[: 2 * sectors], rel=1e-9)
@@ -176,7 +176,7 @@ def test_a_wheel_from_a_sector_is_the_whole_wheel(sectors: int) -> None:
     # In the modes of the wheel, these matrices give nearly the response of the assembled wheel.
     fast, damped = 20.0 * coriolis, 30.0 * np.asarray(sector.mass)
     turning = whole_wheel(replace(sector, damping=damped, gyroscopic=fast), sectors)
-    _, modal = massless_wheel(replace(sector, damping=damped, gyroscopic=fast), sectors, 8)
+    _, modal = WheelOverSpeeds(replace(sector, damping=damped, gyroscopic=fast), sectors, 8).at(0.0)
     w = 0.6 * whole[0]
     matrices = (turning.stiffness, turning.damping, turning.gyroscopic, turning.mass)
     stiffness, loss, skew, inertia = map(dense, matrices)

@@ -13,12 +13,12 @@ from solid_meshes import SECTORS, bladed_sector, cantilever
 
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.cholesky import Cholesky
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.reduction import massless, rigid_limit
 from bladewhirl.models.superelements.sector import Sector, Wave
 from bladewhirl.models.superelements.solver import MatrixPencil
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
-from bladewhirl.models.superelements.wheel import massless_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds
 
 steel = partial(mesh3d, young_modulus=2.1e11, poisson_ratio=0.3, density=7800.0)
 
@@ -123,13 +123,13 @@ def test_waves_of_a_sector_are_those_of_dense_matrices(sector: Superelement, rig
     waves = list(Sector(sector, SECTORS, modes=count, loads=4, rigid=rigid).each_wave(computed))
     assert len(waves) == SECTORS // 2 + 1
     for k, (squares, fields, moved) in enumerate(waves):
-        block = cyclic_reduction(sector, SECTORS, k)
-        stiffness, mass = block.stiffness.toarray(), block.mass.toarray()
+        tie = transformation(sector, SECTORS, k)
+        block = sector.projected(tie, ("mass", "stiffness"))
+        stiffness, mass = block["stiffness"].toarray(), block["mass"].toarray()
         expected, vectors = la.eigh(stiffness, mass)
         assert squares == pytest.approx(expected[:count], rel=1e-9)
-        among = (block.transformation @ vectors[:, :count]).conj().T @ (sector.mass @ fields)
+        among = (tie @ vectors[:, :count]).conj().T @ (sector.mass @ fields)
         assert among.conj().T @ among == pytest.approx(np.eye(count), abs=1e-8)
-        tie = block.transformation
         higher = vectors[:, count:] / np.sqrt(expected[count:])
         static = (rows @ tie @ higher) @ (tie @ higher).conj().T @ loads
         assert moved == pytest.approx(static, rel=1e-7, abs=1e-8 * abs(static).max())
@@ -138,6 +138,6 @@ def test_waves_of_a_sector_are_those_of_dense_matrices(sector: Superelement, rig
 def test_faults_of_a_sector_end_in_one_line(sector: Superelement) -> None:
     soft = replace(sector, stiffness=sector.stiffness - 1e-3 * sp.eye_array(sector.size) * 1e12)
     with pytest.raises(SuperelementError, match=r"^expected .* not indefinite$"):
-        massless_wheel(soft, SECTORS, 5)
+        WheelOverSpeeds(soft, SECTORS, 5).at(0.0)
     with pytest.raises(SuperelementError, match=r"fewer than .* free-interface modes"):
-        massless_wheel(sector, SECTORS, 5000)
+        WheelOverSpeeds(sector, SECTORS, 5000).at(0.0)

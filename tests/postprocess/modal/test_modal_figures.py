@@ -99,7 +99,7 @@ def test_whirling_modes_travel_as_they_are_called(k: int) -> None:
     """With Coriolis forces each wave has a frequency of its own, at speed."""
     own = stage(effects="full")
     assert own.disk_whirl is not None
-    actual = own.disk_whirl.modes
+    actual = own.disk_whirl
     numbers = own.disk_whirl.find("1F", k)
     assert {actual.direction[number] for number in numbers} == (
         {"forward", "backward"} if k else {"standing"}
@@ -273,7 +273,7 @@ def test_veering_at_speed_tells_waves_both_ways() -> None:
     """Branches at the case's stiffness are the whirling modes, found from other matrices."""
     own, data = stage(effects="full"), whirling()
     assert own.disk_whirl is not None
-    actual = own.disk_whirl.modes
+    actual = own.disk_whirl
     for way in ("backward", "forward"):
         here = (actual.nodal_diameter == 1) & (np.array(actual.direction) == way)
         branches = data.isel(branch=(data["branch_direction"] == way).values)

@@ -15,7 +15,7 @@ from solid_meshes import STEEL, cantilever
 import bladewhirl as bw
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.models.modal.modal_model import LabelledWhirlModes
+from bladewhirl.models.modal.whirl_modes import WhirlModes
 from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.stage.modal_superelement import modal_superelement
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
@@ -104,8 +104,8 @@ def test_waves_travel_as_those_of_its_beams(
         model = modal_model(each, count=30)
         modes = model.listed_modes if body == "bladed-disk" else model.casing_modes
         numbers = modes.find(family, 2)
-        if isinstance(modes, LabelledWhirlModes):
-            named, _ = modes.modes.named_directions(model.speed)
+        if isinstance(modes, WhirlModes):
+            named, _ = modes.named_directions(model.speed)
             numbers = np.array([n for n in numbers if named[n] == wave][:1])
         motion = mode_motion(model, body, numbers[:2], wave=wave, title="mode")
         turning = np.exp(-2j * np.pi * np.arange(PICTURES) / PICTURES)

@@ -84,8 +84,8 @@ def pair(given: ModalStage, body: str, wave: Wave) -> np.ndarray:
         return np.flatnonzero(given.casing_modes.nodal_diameter == 1)[:2]
     if given.disk_whirl is None:
         return np.flatnonzero(given.disk_modes.nodal_diameter == 1)[:2]
-    rotating, _ = given.disk_whirl.modes.named_directions(given.speed)
-    k = given.disk_whirl.modes.nodal_diameter
+    rotating, _ = given.disk_whirl.named_directions(given.speed)
+    k = given.disk_whirl.nodal_diameter
     return np.flatnonzero((k == 1) & (np.array(rotating) == wave))[:1]
 
 

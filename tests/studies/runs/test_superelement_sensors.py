@@ -12,7 +12,7 @@ from rod_blade import blade, tables
 
 import bladewhirl as bw
 from bladewhirl.models.superelements.superelement import Superelement, dense
-from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 from bladewhirl.postprocess.fields.nodes import displacement
 from bladewhirl.postprocess.fields.point_stresses import on_sectors
 from bladewhirl.studies.runs.prepare import prepare
@@ -101,7 +101,7 @@ def test_gauges_of_a_sector_are_on_every_blade_of_the_wheel() -> None:
         right_dofs=np.array([[6, 7, 8]]),
         strain_recovery=np.array([[0.0, -50.0, 0.0, 0.0, 50.0, 0.0, 0.0, 0.0, 0.0]]),
     )
-    _, reduced = massless_wheel(sector, 4, 5)
+    _, reduced = WheelOverSpeeds(sector, 4, 5).at(0.0)
     wheel = whole_wheel(sector, 4)
     scale = 1.0 / np.sqrt(wheel.mass.diagonal())
     squares, shapes = np.linalg.eigh(scale[:, None] * dense(wheel.stiffness) * scale)

@@ -18,7 +18,7 @@ from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement, dense
-from bladewhirl.models.superelements.wheel import massless_wheel, whole_wheel
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.pictures.colouring import Stations, colouring
 from bladewhirl.postprocess.run.figures import RunFigures
@@ -212,7 +212,7 @@ def test_stress_of_a_wheel_from_a_sector_is_that_of_the_whole_wheel() -> None:
     part = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=2)
     sectors = TIE["copies"]
     turning = part.at(SPEED, "centrifugal")
-    _, reduced = massless_wheel(turning, sectors, 3)
+    _, reduced = WheelOverSpeeds(turning, sectors, 3).at(SPEED)
     wheel = whole_wheel(turning, sectors)
     force = np.zeros((sectors, 6))
     force[0], force[5] = [-3.0, 1.0, 0.3, 0.0, 0.0, 2.0], [0.0, 0.5, 0.0, -1.0, 0.0, 0.0]

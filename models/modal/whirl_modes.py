@@ -18,6 +18,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.modal.modes import ListedModes, Modes
 from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
 from bladewhirl.models.structure.waves import Waves, spring_shares
 
@@ -34,14 +35,13 @@ SLOW = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class WhirlModes:
-    """Motions Re(p exp(i frequency t)) in the rotating frame, in ascending order of frequency."""
+class WhirlModes(ListedModes):
+    """Motions Re(p exp(i frequency t)) in the rotating frame, in ascending order of frequency.
 
-    frequency: FloatArray  #: frequency, zero if a mode grows without oscillation [rad/s], (modes,)
+    The frequency is zero if a mode grows without oscillation. Amplitudes are p, with p^H M p = 1.
+    """
+
     growth: FloatArray  #: growth rate [1/s]; zero if K_Omega is positive definite, (modes,)
-    nodal_diameter: IntArray  #: dominant nodal diameter, (modes,); -1 without sectors
-    purity: FloatArray  #: share of the dominant nodal diameter in the mode, (modes,)
-    spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
     direction: tuple[Direction, ...]
     """Direction of travel in the rotating frame, "forward" towards +theta, (modes,)."""
     rank: IntArray
@@ -49,15 +49,6 @@ class WhirlModes:
     and direction of travel at rest, (modes,). These branches do not cross. -1 without symmetry."""
     backward_at_rest: BoolArray
     """True if the branch of a mode travels backward at rest, (modes,)."""
-    amplitudes: tuple[ComplexArray, ...]
-    """Complex field p of each mode, with p^H M p = 1 [kg^-1/2]: in one sector, or on all DoF if the
-    rank is -1."""
-    layout: SectorLayout | None  #: sectors of the structure
-
-    @property
-    def count(self) -> int:
-        """Number of modes."""
-        return len(self.frequency)
 
     def fields(self, chosen: IntArray) -> ComplexArray:
         """Return the fields p of the chosen modes on the free DoF, (size, chosen)."""
@@ -66,20 +57,19 @@ class WhirlModes:
     def _field(self, mode: int) -> ComplexArray:
         amplitude = self.amplitudes[mode]
         if self.rank[mode] < 0:
-            return amplitude
+            return np.asarray(amplitude, dtype=np.complex128)
         assert self.layout is not None  # its modes have a rank
         wave = self.layout.basis(int(self.nodal_diameter[mode])) @ amplitude
         return np.asarray(wave.conj() if self.direction[mode] == "forward" else wave)
 
-    def take(self, chosen: IntArray) -> "WhirlModes":
-        """Return the chosen modes."""
-        taken: dict[str, Any] = {}
-        for name, values in vars(self).items():
-            if isinstance(values, tuple):
-                taken[name] = tuple(values[i] for i in chosen)
-            elif name != "layout":
-                taken[name] = values[chosen]
-        return replace(self, **taken)
+    def real_parts(self, chosen: IntArray) -> Modes:
+        """Return two real fields for each chosen mode: Re p and -Im p.
+
+        The motion of a mode is Re p cos(w t) - Im p sin(w t).
+        """
+        fields, twice = self.fields(chosen), np.repeat(chosen, 2)
+        shapes = np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1)
+        return Modes(shapes=shapes, sectors=0, **self.numbers(twice))
 
     def static_frequency(self, omega: float) -> FloatArray:
         """Return the frequency of each mode in the static frame [rad/s], (modes,), positive for
@@ -162,6 +152,7 @@ def wave_modes(
         backward = backward[:size]
     return WhirlModes(
         frequency=np.abs(w.real),
+        column=np.full(len(w), NO_COLUMN),
         growth=-w.imag,
         nodal_diameter=np.full(len(w), k),
         purity=np.ones(len(w)),
@@ -189,6 +180,7 @@ def _plain_modes(structure: Structure, count: int | None) -> WhirlModes:
         diameter, purity, ways = travelling(vectors, structure.mass.diagonal(), structure.layout)
     return WhirlModes(
         frequency=np.abs(w.real),
+        column=np.full(len(w), NO_COLUMN),
         growth=-w.imag,
         nodal_diameter=diameter,
         purity=purity,
