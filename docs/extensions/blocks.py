@@ -8,6 +8,12 @@ A comment on the line above a block has these effects:
     <!-- markdown: reason -->       the output of the block is Markdown and part of the page
     <!-- quiet: reason -->          the output of the block is not shown
 
+`<!-- printed: words -->` beside a sentence asserts that a block above prints these words, so that
+numbers in the text remain those of the blocks.
+
+A short run of a page shows that its blocks work: commands march at most `SHORT`, sweep two points
+of each key and film two frames. What a short run prints is not compared with the text.
+
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
 
@@ -20,17 +26,21 @@ import sys
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
 RUN = ("python", "console")
+SHORT = 0.05
+"""Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
     r"(?:^<!-- (?P<mark>file|not run|markdown|quiet): (?P<argument>[^\n]*?) -->\n)?"
     r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
     re.MULTILINE | re.DOTALL,
 )
+_PRINTED = re.compile(r"^<!-- printed: (.*?) -->$", re.MULTILINE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,10 +78,11 @@ class Session:
 
     Args:
         folder: working folder, made if missing; it gets a link to the examples.
+        short: make marches, sweeps and films short.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, *, short: bool = False) -> None:
+        self.folder, self.short = folder, short
         self._names: dict[str, Any] = {"__name__": "__main__"}
         folder.mkdir(parents=True, exist_ok=True)
         examples = folder / "examples"
@@ -107,6 +118,7 @@ class Session:
         if program != "bladewhirl":
             raise RuntimeError(f"{line}: expected a command of bladewhirl")
         with contextlib.chdir(self.folder):
+            words = shortened(words) if self.short else words
             done = CliRunner().invoke(app, words, env={"COLUMNS": "88", "NO_COLOR": "1"})
         if done.exit_code:
             raise RuntimeError(
@@ -121,13 +133,59 @@ def commands(code: str) -> list[str]:
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 
 
-def run(text: str, folder: Path) -> list[str]:
-    """Run the blocks of a page in a folder; return the printed output of each block."""
+def _two(frames: str) -> str:
+    """Return a number of frames, at most two."""
+    return str(min(int(frames), 2))
+
+
+def _ends(over: str) -> str:
+    """Return the first and the last of the values of a key, KEY=FIRST:LAST:STEP or KEY=A,B,..."""
+    key, values = over.split("=", 1)
+    each = values.split(":")[:2] if values.count(":") == 2 else values.split(",")
+    return f"{key}={each[0]},{each[-1]}" if ":" not in each[0] else over
+
+
+def shortened(words: list[str]) -> list[str]:
+    """Return the words of a command that marches, sweeps and films little, see above."""
+    from bladewhirl import read_case
+
+    options = {"--frames": _two, "--over": _ends}
+    if words[0] in ("render", "export"):  # a window may lie beyond a short march
+        options |= {"--from": None, "--to": None}
+    short, sets = words[:1], []
+    for option, word in pairwise(words):
+        if option in options:
+            kept = options[option]
+            short += [kept(word)] if kept else []
+        elif word not in options or options[word]:
+            short.append(word)
+        if option == "--set":
+            sets.append(word)
+    if words[0] in ("run", "sweep") and "--resume" not in words:
+        march = read_case(words[1], sets).march
+        if any(each.startswith("march.revolutions=") for each in sets):
+            short += ["--set", "march.revolutions=1"]
+        elif march.duration > SHORT:
+            short += ["--set", f"march.duration={SHORT}"]
+    return short
+
+
+def run(text: str, folder: Path, *, short: bool = False) -> list[str]:
+    """Run the blocks of a page in a folder; return the printed output of each block.
+
+    Raises:
+        RuntimeError: a command failed, or nothing prints the words that the page states.
+    """
     from bladewhirl.models.inputs.errors import Hint
 
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
-    session = Session(folder.resolve())
-    return [session.run(block) for block in blocks(text) if block.runs]
+    session = Session(folder.resolve(), short=short)
+    outputs = [session.run(block) for block in blocks(text) if block.runs]
+    everything = " ".join(" ".join(outputs).split())
+    for words in [] if short else _PRINTED.findall(text):
+        if words not in everything:
+            raise RuntimeError(f"no block prints {words!r}:\n{everything}")
+    return outputs
 
 
 if __name__ == "__main__":

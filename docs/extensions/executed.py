@@ -45,7 +45,7 @@ IMPORTED = (
 _LAYERS = ("bladewhirl", "meshes", "models", "solvers", "postprocess", "studies", "examples")
 
 
-def run_pages(source: Path) -> None:
+def run_pages(source: Path, *, short: bool) -> None:
     """Run each page in a process of its own, on a core of its own, the longest pages first."""
     pages = {
         path.relative_to(source).with_suffix("").as_posix(): path
@@ -66,7 +66,7 @@ def run_pages(source: Path) -> None:
         while waiting and free:
             name, core = waiting.pop(), free.pop()
             process = context.Process(
-                target=_run, args=(pages[name], source / "built" / name, state, core)
+                target=_run, args=(pages[name], source / "built" / name, state, core, short)
             )
             process.start()
             running[process.sentinel] = name, core, process
@@ -78,20 +78,20 @@ def run_pages(source: Path) -> None:
                 raise ExtensionError(f"{pages[name]}: a block fails, as stated above")
 
 
-def _run(page: Path, folder: Path, state: str, core: int) -> None:
+def _run(page: Path, folder: Path, state: str, core: int, short: bool) -> None:
     """Run the blocks of a page in a folder, and store their outputs beside the folder.
 
     A command that starts a process for each core starts only one, because the page has one core.
     """
     kept, text = folder.with_name(f"{folder.name}.json"), page.read_text(encoding="utf-8")
-    key = hashlib.sha256((state + text).encode()).hexdigest()
+    key = hashlib.sha256(f"{state}{text}{short}".encode()).hexdigest()
     if kept.exists() and json.loads(kept.read_text(encoding="utf-8"))["key"] == key:
         return
     if sys.platform == "linux":
         os.sched_setaffinity(0, [core])
     sys.modules["__main__"] = blocks  # workers of sweeps import this module, and not Sphinx
     shutil.rmtree(folder, ignore_errors=True)
-    outputs = blocks.run(text, folder)
+    outputs = blocks.run(text, folder, short=short)
     kept.write_text(json.dumps({"key": key, "printed": outputs}), encoding="utf-8")
 
 
@@ -139,11 +139,12 @@ def write(app: Sphinx) -> None:
     """Write pages of the gallery, then run all pages."""
     source = Path(app.srcdir)
     gallery.write(source / "gallery", app.config.gallery_examples)
-    run_pages(source)
+    run_pages(source, short=app.config.short)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register `write`, to be called before pages are read, and `fill`, called for each page."""
+    app.add_config_value("short", False, "env", bool)
     app.add_config_value("gallery_examples", [], "env", list)
     app.connect("builder-inited", write)
     app.connect("source-read", fill)

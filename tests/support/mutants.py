@@ -1,8 +1,8 @@
-"""Score of tests against small faults: `python tests/support/mutants.py MODULE TEST... --count 30`.
+"""Score of tests against small faults: `python tests/support/mutants.py MODULE... --count 30`.
 
-Each mutant is the module with one comparison, sign, operator, number or condition changed, drawn
-from all that there are by a seed. It is killed when one of the tests fails. What is
-loaded beside the program is loaded once.
+Each mutant is a module with one comparison, sign, operator, number or condition changed, drawn
+from all that there are by a seed. It is killed when one of the tests fails: those of the module's
+folder, its own first, unless others are given. What is loaded beside the program is loaded once.
 """
 
 import argparse
@@ -17,6 +17,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -120,32 +121,61 @@ def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> b
     return child.exitcode == 0
 
 
-def score(module: Path, tests: list[str], count: int, seed: int) -> tuple[int, int]:
-    """Mutants tried and killed; those that survive are printed."""
-    source = module.read_text()
-    began = time.monotonic()
-    if not outcome(module, ast.parse(source), tests, 600):
-        raise SystemExit(f"{module}: its tests fail without any change")
-    seconds = 10 + int(5 * (time.monotonic() - began))
-    known = len(list(places(ast.parse(source))))
-    chosen = sorted(random.Random(seed).sample(range(known), min(count, known)))
-    killed = 0
-    for number in chosen:
-        tree, words = mutant(source, number)
-        survives = outcome(module, tree, tests, seconds)
-        killed += not survives
-        if survives:
-            print(f"{module}:{words}", flush=True)
-    print(f"{module}: {killed} of {len(chosen)} killed, of {known} places", flush=True)
-    return len(chosen), killed
+def tests_of(module: Path) -> list[str]:
+    """The test file of a module, if it has one, and the tests of its folder."""
+    beside = "tests" / module.parent
+    room = next(path for path in (beside, *beside.parents) if path.exists())
+    own = beside / f"test_{module.name}"
+    return [str(path) for path in (own, room) if path.exists()]
+
+
+@cache
+def seconds_unchanged(*tests: str) -> float:
+    """How long the tests take without any change."""
+    began, here = time.monotonic(), Path(__file__)  # they don't import this module
+    if not outcome(here, ast.parse(here.read_text()), [*tests], 600):
+        raise SystemExit(f"{' '.join(tests)}: tests fail without any change")
+    return time.monotonic() - began
+
+
+def score(modules: list[Path], tests: list[str], count: int, seed: int, minutes: float) -> None:
+    """Try mutants; print those that survive, and the score of each module.
+
+    Args:
+        modules: paths of the modules.
+        tests: paths of their tests; `tests_of` each module if empty.
+        count: largest number of mutants of a module.
+        seed: of the draws of modules and mutants.
+        minutes: time after which no further mutant is begun; modules without any are not printed.
+    """
+    chance, end = random.Random(seed), time.monotonic() + 60.0 * minutes
+    tried_all = killed_all = 0
+    for at, module in enumerate(chance.sample(modules, len(modules))):
+        source, given = module.read_text(), tests or tests_of(module)
+        known = len(list(places(ast.parse(source))))
+        latest = time.monotonic() + (end - time.monotonic()) / (len(modules) - at)
+        tried = killed = 0
+        for number in chance.sample(range(known), min(count, known)):
+            if time.monotonic() > latest:
+                break
+            seconds = 10 + int(5 * seconds_unchanged(*(tests or given[-1:])))
+            tree, words = mutant(source, number)
+            survives = outcome(module, tree, given, seconds)
+            tried, killed = tried + 1, killed + (not survives)
+            if survives:
+                print(f"{module}:{words}", flush=True)
+        if tried:
+            print(f"{module}: {killed} of {tried} killed, of {known} places", flush=True)
+        tried_all, killed_all = tried_all + tried, killed_all + killed
+    print(f"{killed_all} of {tried_all} killed in all")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Score of tests against small faults.")
-    parser.add_argument("module", type=Path)
-    parser.add_argument("tests", nargs="+")
-    parser.add_argument("--count", type=int, default=30)
+    parser.add_argument("modules", nargs="*", type=Path, metavar="module")
+    parser.add_argument("--tests", nargs="+", default=[], help="of the modules; else by folder")
+    parser.add_argument("--count", type=int, default=30, help="largest number for each module")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--minutes", type=float, default=1e6, help="time for all modules")
     given = parser.parse_args()
-    tried, killed = score(given.module, given.tests, given.count, given.seed)
-    sys.exit(killed < 0.85 * tried)
+    score(given.modules, given.tests, given.count, given.seed, given.minutes)

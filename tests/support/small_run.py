@@ -1,8 +1,5 @@
 """A case of a few blades, cheap to march, runs that break off, and commands in a process."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import h5py
@@ -46,15 +43,6 @@ RECORDED = [name for name, variable in HISTORY.items() if variable.part not in N
 def small(**values: object) -> Case:
     """The case with other values, by dotted key."""
     return with_values(loads(SMALL), values)
-
-
-def run_script(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run a script that lies beside this one, which it may import."""
-    script = Path(__file__).with_name(name)
-    beside = {**os.environ, "PYTHONSAFEPATH": ""}
-    return subprocess.run(
-        [sys.executable, script, *arguments], capture_output=True, text=True, env=beside
-    )
 
 
 class Disturbed(Exception):

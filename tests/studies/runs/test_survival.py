@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 from faults import fault
-from small_run import COMMAND, RECORDED, SMALL, assert_same_bits, broken_off, run_script, small
+from small_run import COMMAND, RECORDED, SMALL, assert_same_bits, broken_off, small
 
 import bladewhirl as bw
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
@@ -182,13 +182,6 @@ def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path)
         assert left.sizes["time"] > 0
     resume(tmp_path / "run", frames=0)
     assert_same_bits(whole, tmp_path / "run")
-
-
-@pytest.mark.slow
-def test_kills_at_random_moments_lose_at_most_one_flush() -> None:
-    """Two hundred, as they were before a release: `python tests/support/kills.py --count 200`."""
-    done = run_script("kills.py", "--count", "20")
-    assert done.stdout.startswith("20 kills: all read"), done.stderr
 
 
 def flushed(whole: Path, folder: Path) -> h5py.File:
