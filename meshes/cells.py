@@ -53,6 +53,16 @@ class CellType:
         first_order = len(self.reference) == len(self.corners)
         return tuple(_face(face, {} if first_order else middle) for face in self.faces)
 
+    @cached_property
+    def face_nodes(self) -> tuple[list[int], ...]:
+        """Places in the cell of all nodes on each face."""
+        at = self.reference
+        normals = [np.cross(at[b] - at[a], at[c] - at[a]) for a, b, c, *_ in self.faces]
+        flat = [
+            abs((at - at[face[0]]) @ n) < 1e-9 for face, n in zip(self.faces, normals, strict=True)
+        ]
+        return tuple(np.flatnonzero(on).tolist() for on in flat)
+
     @property
     def corners(self) -> FloatArray:
         """Corners of the reference cell, (corners, 3)."""

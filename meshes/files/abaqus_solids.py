@@ -44,6 +44,7 @@ class SolidMesh(NamedTuple):
     sections: tuple[Section, ...] = ()  #: materials of groups of cells; later ones replace earlier
     ignored: tuple[str, ...] = ()  #: what connects or loads nodes and is not read
     rigid: tuple[tuple[str, IntArray], ...] = ()  #: keyword and nodes of each rigid body
+    held: str = ""  #: set of the nodes whose displacements the file fixes, if there is one
 
 
 OTHERS = re.compile("(MASS|ROTARYI|SPRING|DASHPOT|CONN|S[3-9]|SC|STRI|B3|PIPE|M3D|GAP)")

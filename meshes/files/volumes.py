@@ -54,6 +54,7 @@ class VolumeMesh:
     sections: tuple[Section, ...] = ()  #: materials of groups of cells in the file
     ignored: tuple[str, ...] = ()  #: what connects or loads nodes in the file and is not read
     rigid: tuple[tuple[str, IntArray], ...] = ()  #: keyword and nodes of each rigid body
+    held: str = ""  #: group of the nodes that the file holds, if there is one
     name: str = ""  #: name of the file, without its folder
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """Place of each node among the points of the source, (nodes,)."""
@@ -193,6 +194,7 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
         sections=source.sections,
         ignored=source.ignored,
         rigid=tuple((text, _used(place[nodes])) for text, nodes in source.rigid),
+        held=source.held if len(_used(members.get(source.held, used[:0]))) else "",
         name=name,
         rows=used,
     )

@@ -167,7 +167,8 @@ class March(ReplacedKeys):
     """Speed of rotation. A number is a multiple of the reference frequency, the lowest natural
     frequency of the bladed disk, before modal reduction and with a free centre (even if this case
     clamps it). Text is an absolute speed: "2500 rpm", "42 Hz" (revolutions per second) or "262
-    rad/s". Zero and negative speeds are allowed (1.05 in the paper, Section 4.3)."""
+    rad/s". Zero and negative speeds are allowed (1.05 in the paper, Section 4.3; 0.25 by default
+    for a superelement, where engine order 4 meets the reference frequency)."""
     speed_table: SpeedRows | None = Field(
         default=None, examples=['[["0 s", "3000 rpm"], ["10 s", "9000 rpm"]]']
     )
@@ -201,13 +202,14 @@ class March(ReplacedKeys):
     )
     """Number of time steps in a revolution. If it is given, march.time_step is not used, and
     record_step is rounded to whole time steps. In a sweep over the speed the step follows the
-    speed."""
+    speed. 4096 for a superelement, unless march.time_step is given."""
     duration: fields.TimeOrZero = 3.0
     """Simulated time [s] (paper, Table 2)."""
     revolutions: Annotated[float, fields.number("positive")] | None = Field(
         default=None, examples=["50"]
     )
-    """Simulated time in revolutions. If it is given, march.duration is not used."""
+    """Simulated time in revolutions. If it is given, march.duration is not used. 20 for a
+    superelement at constant speed, unless march.duration is given."""
     record_step: fields.Time = 1e-4
     """Time between records [s], a whole number of time steps."""
     displacement_limit: fields.Length | None = Field(default=None, examples=["0.5"])

@@ -87,7 +87,8 @@ class Casing(Table):
     error of a frequency is 0.5 %. Twice the number of blades gives four elements to every wave that
     the blades can distinguish."""
     clearance: fields.LengthOrZero = 1e-3
-    """Gap between tips and casing at rest [m] (paper, Table 1); the mean gap if there are lobes."""
+    """Gap between tips and casing at rest [m] (paper, Table 1); the mean gap if there are lobes. By
+    default a thousandth of the radius of the contact nodes of a superelement."""
     clearance_lobes: LobeRows = ()
     """Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }:
     amplitude * cos(lobes * (angle - phase)) added to clearance, fixed in the static frame; 2 lobes

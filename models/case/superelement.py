@@ -2,16 +2,26 @@
 
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 from pydantic import model_validator
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Inconsistency, Table, path_of, value_at
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 SOURCE = "bladed_disk.superelement"  #: key of the table
+
+CLEARANCE = 1e-3
+"""Default clearance, divided by the largest radius of a contact node."""
+
+SPEED = 0.25
+"""Default speed, divided by the lowest frequency: engine order 4 meets this frequency at rest."""
+
+STEPS, REVOLUTIONS = 4096, 20
+"""Default number of time steps in a revolution, and of revolutions."""
 
 
 class SuperelementTable(Table):
@@ -92,6 +102,31 @@ class SuperelementTable(Table):
             yield Inconsistency("copies", f"a divisor of the {part.contacts} contact nodes")
         if self.kind != "wheel" and part.centre_dofs is not None:
             yield Inconsistency("kind", '"wheel" for a file with centre_dofs')
+
+
+def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case with the defaults of clearance and march for a superelement,
+    which follow from its radius and its lowest frequency; those of beams are the paper's."""
+    file = value_at(tables, (*path_of(SOURCE), "file"))
+    march, casing = tables.get("march", {}), tables.get("casing", {})
+    if not isinstance(file, str | os.PathLike) or "\0" in os.fspath(file):
+        return dict(tables)
+    own: dict[str, Any] = {}
+    if isinstance(march, Mapping):
+        varies = march.keys() & {"speed_table", "run_up"}
+        usual = {} if varies else {"speed": SPEED}
+        stands = value_at(march, ("speed",)) in (0, "0", "0 rpm", "0 Hz", "0 rad/s")
+        if not march.keys() & {"time_step", "steps_per_revolution"} and not stands:
+            usual["steps_per_revolution"] = STEPS
+        if not march.keys() & {"duration", "revolutions", "drive"} and not (varies or stands):
+            usual["revolutions"] = REVOLUTIONS
+        own["march"] = usual | dict(march)
+    if isinstance(casing, Mapping) and "clearance" not in casing:
+        beside = os.path.abspath(file)
+        with suppress(SuperelementError):  # the table of the superelement yields it
+            radius = float(_cached(beside, *stamp_of(beside)).contact_radius.max())
+            own["casing"] = {"clearance": CLEARANCE * radius} | dict(casing)
+    return dict(tables) | own
 
 
 def stamp_of(file: str) -> tuple[int, int]:

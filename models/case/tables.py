@@ -1,9 +1,9 @@
 """The tables of a case, and what follows from them."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pydantic import Field, StrictStr
+from pydantic import Field, StrictStr, model_validator
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
 from bladewhirl.models.case.blade_loss import BladeLoss
@@ -13,6 +13,7 @@ from bladewhirl.models.case.excitation import Excitation, ExcitationTable, NoExc
 from bladewhirl.models.case.sensors import SensorRows
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
+from bladewhirl.models.case.superelement import with_defaults
 from bladewhirl.models.inputs.table import ReplacedKeys
 from bladewhirl.models.sections.rectangular import Material
 
@@ -47,6 +48,11 @@ class Tables(ReplacedKeys):
     """Blades that break off during the march; needs equal blades of beams without shrouds."""
     sensor: SensorRows = ()
     """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_superelement(cls, given: Any) -> Any:
+        return with_defaults(given) if isinstance(given, Mapping) else given
 
     @property
     def excitations(self) -> Mapping[str, Excitation]:

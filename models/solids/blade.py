@@ -30,6 +30,7 @@ from bladewhirl.models.solids.groups import (
 )
 from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.rigid import free_bodies, free_displacements
+from bladewhirl.models.solids.sectors import find_sector
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.superelements.cyclic import transformation
@@ -58,7 +59,7 @@ def mesh3d(
     left: str | None = None,
     right: str | None = None,
     copies: int | None = None,
-    unit: str = "m",
+    length_unit: str = "m",
     mass_unit: str | None = None,
     axis: str = "z",
     speed: float | str = 0.0,
@@ -69,6 +70,7 @@ def mesh3d(
     stress: bool = True,
     outside_files: bool = False,
     name: str = "",
+    unit: None = None,
 ) -> Superelement:
     """Make a superelement of a blade or a sector from a mesh of tetrahedra, wedges or hexahedra.
 
@@ -116,9 +118,9 @@ def mesh3d(
             modulus the mistuning of a case changes (`blade_stiffness`).
         left, right: groups, or conditions as for `clamped`, of the clockwise and of the
             counter-clockwise face of a sector; their nodes match after a rotation by one pitch.
-            Both or none are given.
+            Both or none are given; with `copies` alone, faces that match are found.
         copies: number of sectors in the wheel; required with left and right.
-        unit: unit of length of the mesh, such as "mm".
+        length_unit: unit of length of the mesh, such as "mm".
         mass_unit: unit of mass of the materials of an .inp file, such as "t" for N, mm and s;
             required if the unit of length is not m.
         axis: axis of rotation of the mesh, "x", "y" or "z". The axis of the superelement is z:
@@ -144,6 +146,7 @@ def mesh3d(
         outside_files: whether files that an .inp file names in ``*INCLUDE`` and ``INPUT=`` may be
             outside its folder.
         name: name of the superelement; by default that of the file.
+        unit: former name of `length_unit`, not allowed.
 
     Returns:
         the superelement, with sparse matrices on the displacements of the nodes that are not
@@ -154,12 +157,14 @@ def mesh3d(
         CaseError: an argument is invalid, the file cannot be read, a group is missing, nodes of the
             faces do not match, or contact nodes are clamped.
     """
+    if unit is not None:
+        raise invalid("unit", unit, f"length_unit = {unit!r}, the name of this argument")
     omega = _speed(speed)
     if mass_quadrature not in QUADRATURES:
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
     if stiffening not in (None, *get_args(Measure)):
         raise invalid("stiffening", stiffening, '"prestress", "stress" or None')
-    volumes, notes = _merged(_scaled(mesh, unit, axis, outside_files), merge)
+    volumes, notes = _merged(_scaled(mesh, length_unit, axis, outside_files), merge)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
         expected = "expected elements of second order, or C3D8I in place of C3D8"
@@ -169,9 +174,16 @@ def mesh3d(
     group = group_nodes(volumes, "contact", contact, axis)
     faces: dict[str, IntArray] = {}
     first = second = fixed[:0]
-    if (sides := sector_faces(left, right, copies)) is not None:
+    if copies is not None and left is None and right is None:
+        sides = sector_faces("", "", copies)
+        if (sector := find_sector(volumes, copies)) is None:
+            expected = f"left and right: no cut faces match after 1/{copies} of a turn about {axis}"
+            raise invalid("copies", copies, expected)
+        first, second = sector.left, sector.right
+    elif (sides := sector_faces(left, right, copies)) is not None:
         first = group_nodes(volumes, "left", sides[0], axis)
         second = group_nodes(volumes, "right", sides[1], axis)
+    if sides is not None:
         first, second = matching_faces(volumes.points, first, second, sides[2])
         fixed, note = clamped_on_both(first, second, fixed)
         if note:
@@ -185,7 +197,7 @@ def mesh3d(
         text += "; bladewhirl import reads the matrices of CalculiX, which contain them"
         warnings.warn(text, Hint, stacklevel=2)
     given = {"young_modulus": young_modulus, "poisson_ratio": poisson_ratio, "density": density}
-    materials = materials_of(volumes, given, unit, mass_unit)
+    materials = materials_of(volumes, given, length_unit, mass_unit)
     try:
         solid = Solid(volumes, materials)
     except MeshFileError as error:
@@ -218,10 +230,11 @@ def mesh3d(
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),
         "name": name or volumes.name,
-        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{notes}, {materials}"
+        "source": f"mesh3d: {volumes.name}, {_elements(volumes)}{notes}, axis {axis}, {materials}"
         + (f", stiffness at speed: {stiffening}" if stiffening and len(fixed) else ""),
         **{key: dofs[nodes] for key, nodes in faces.items()},
         "sectors": copies,
+        "whole_mass": float(mass[nodes, nodes].sum()),
     }
     stiffness = solid.stiffness()
     if blade is not None:
@@ -240,7 +253,7 @@ def mesh3d(
         text = "the stiffness at speed is left out: it is not computed for solids with rigid bodies"
         warnings.warn(text, Hint, stacklevel=2)
         return part
-    tie = select if copies is None else select @ transformation(part, copies, 0)
+    tie = select if sides is None else select @ transformation(part, sides[2], 0)
     try:
         changes = stiffness_by_rotation(solid, stiffness, mass, tie, stiffening)
     except LinAlgError:  # the stiffness is singular
@@ -299,7 +312,7 @@ def _scaled(mesh: Any, unit: str, axis: str, outside: bool) -> VolumeMesh:
     try:
         scale = to_si(f"1 {unit}", "m")
     except ValueError as error:
-        raise invalid("unit", unit, f'a unit of length such as "mm" ({error})') from None
+        raise invalid("length_unit", unit, f'a unit of length such as "mm" ({error})') from None
     if axis not in AXES:
         raise invalid("axis", axis, '"x", "y" or "z"')
     try:

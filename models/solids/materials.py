@@ -65,14 +65,9 @@ def _values(
     read: Callable[[str, float | str], float] = (
         _ratio if key == "poisson_ratio" else lambda key, v: positive(key, v, SYMBOLS[key])
     )
-    total = sum(len(cells) for _, cells in mesh.blocks)
-    values, reasons = np.full(total, np.nan), dict[int, str]()
-    for section in mesh.sections:
-        chosen = cells_of(mesh, "ELSET", section.group)
-        values[chosen] = section.properties.get(key, np.nan)
-        reasons |= dict.fromkeys(chosen.tolist(), section.missing(key))
+    values, reasons = of_file(mesh, key)
     if key != "poisson_ratio" and np.isfinite(values).any():
-        values *= _scale(key, unit, mass_unit)
+        values *= unit_scale(key, unit, mass_unit)
     if isinstance(given, Mapping):
         for group, value in given.items():
             values[cells_of(mesh, key, group)] = read(key, value)
@@ -87,7 +82,7 @@ def _values(
         values[without] = value
     if len(bare := np.flatnonzero(np.isnan(values))):
         reason = reasons.get(int(bare[0]), "the file gives no material to them")
-        raise invalid(key, None, f"a value for {len(bare)} of {total} cells; {reason}")
+        raise invalid(key, None, f"a value for {len(bare)} of {len(values)} cells; {reason}")
     for value in np.unique(values).tolist():
         if key == "poisson_ratio":
             _ratio(key, value)
@@ -97,8 +92,20 @@ def _values(
     return values
 
 
-def _scale(key: str, unit: str, mass_unit: str | None) -> float:
-    """Return the factor from the units of a file to SI units."""
+def of_file(mesh: VolumeMesh, key: str) -> tuple[FloatArray, dict[int, str]]:
+    """Return a constant of each cell in the units of the file, not a number where it gives none,
+    and the reason by cell of the materials without it."""
+    values = np.full(sum(len(cells) for _, cells in mesh.blocks), np.nan)
+    reasons = dict[int, str]()
+    for section in mesh.sections:
+        chosen = cells_of(mesh, "ELSET", section.group)
+        values[chosen] = section.properties.get(key, np.nan)
+        reasons |= dict.fromkeys(chosen.tolist(), section.missing(key))
+    return values, reasons
+
+
+def unit_scale(key: str, unit: str, mass_unit: str | None) -> float:
+    """Return the factor from the units of a file to SI units, of "young_modulus" or "density"."""
     if mass_unit is None and to_si(f"1 {unit}", "m") != 1.0:
         expected = 'the unit of mass of the materials of the file, such as "t" for N, mm and s'
         raise invalid("mass_unit", None, expected)

@@ -9,8 +9,27 @@ from bladewhirl.models.solids.elements import ELEMENTS
 OBLIQUE = 0.1
 """Largest component of a unit vector that is small."""
 
-MOST_CORNERS = 4
-"""Largest number of corners of a face."""
+MOST_CORNERS, MOST_ON_FACE = 4, 9
+"""Largest number of corners, and of nodes, of a face."""
+
+
+def surface_faces(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:
+    """Return the corners of each face on the surface, counter-clockwise when seen from outside,
+    (faces, 4), and all its nodes, (faces, 9), with -1 in place of those that it lacks."""
+    corners: list[IntArray] = []
+    nodes: list[IntArray] = []
+    for name, cells in mesh.blocks:
+        kind = ELEMENTS[name].cell
+        for face, places in zip(kind.faces, kind.face_nodes, strict=True):
+            for rows, of, width in ((corners, face, MOST_CORNERS), (nodes, places, MOST_ON_FACE)):
+                row = np.full((len(cells), width), -1)
+                row[:, : len(of)] = cells[:, of]
+                rows.append(row)
+    every = np.concatenate(corners)
+    keys = np.sort(every, axis=1)
+    _, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
+    outside = np.sort(first[count == 1])
+    return every[outside], np.concatenate(nodes)[outside]
 
 
 def surface_triangles(mesh: VolumeMesh) -> tuple[IntArray, IntArray]:

@@ -28,9 +28,9 @@ from bladewhirl.models.superelements.superelement import (
 )
 
 MATRICES = (*Superelement.FORMS, *Superelement.ROWS)
-SPEED, SECTORS = "speed", "sectors"
+SPEED, SECTORS, MASS = "speed", "sectors", "whole_mass"
 INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
-TEXTS = ("name", "source")
+TEXTS = ("name", "source", "command")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
 ROUNDING = 1e-9
 """Largest direction cosine that is a rounding error."""
@@ -86,6 +86,8 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
             values[key] = values[key].ravel()
     if SPEED in content:
         values[SPEED] = _number(content, SPEED)
+    if MASS in content:
+        values[MASS] = mass * _number(content, MASS)
     if SECTORS in content:
         values[SECTORS] = int(whole_numbers(SECTORS, _number(content, SECTORS)))
     for key in INTEGERS:
@@ -134,7 +136,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
     if file.suffix.lower() != ".npz":
         raise SuperelementError(f"{file}: expected a name that ends with .npz")
     content: dict[str, Any] = {}
-    for key in (*MATRICES, *ARRAYS, SPEED, SECTORS, *INTEGERS, *TEXTS):
+    for key in (*MATRICES, *ARRAYS, SPEED, SECTORS, MASS, *INTEGERS, *TEXTS):
         value = getattr(part, key)
         if value is None:
             continue
@@ -150,7 +152,7 @@ def write_superelement(path: str | PathLike[str], part: Superelement) -> None:
 
 _SPARSE = ("data", "indices", "indptr", "shape")
 KEYS = (
-    *(*MATRICES, *ARRAYS, SPEED, SECTORS, *INTEGERS, *TEXTS, *UNITS),
+    *(*MATRICES, *ARRAYS, SPEED, SECTORS, MASS, *INTEGERS, *TEXTS, *UNITS),
     *(f"{key}_{part}" for key in MATRICES for part in _SPARSE),
 )
 

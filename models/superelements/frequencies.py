@@ -1,5 +1,6 @@
 """Natural frequencies of structures with large sparse matrices."""
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,13 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from scipy.linalg import eigh
 
-from bladewhirl.models.superelements.superelement import Matrix, diagonal
+from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.superelement import (
+    Matrix,
+    Superelement,
+    SuperelementError,
+    diagonal,
+)
 
 SMALL = 600
 """Largest number of unknowns for which all eigenvalues are computed."""
@@ -52,6 +59,28 @@ def lowest_frequencies(mass: Matrix, stiffness: Matrix, count: int) -> np.ndarra
             )
         )
     return np.asarray(np.sign(squares) * np.sqrt(abs(squares)) / (2.0 * np.pi))
+
+
+def frequencies_by_diameter(
+    part: Superelement, count: int, diameters: Iterable[int]
+) -> Iterator[np.ndarray[Any, Any]]:
+    """Yield the lowest natural frequencies at rest [Hz], (count,), of the wheel of a sector for
+    each nodal diameter; once those of a part that is no sector.
+
+    Raises:
+        SuperelementError: the sector does not say how many of them a wheel has.
+    """
+    if part.left_dofs is None:
+        yield lowest_frequencies(part.mass, part.stiffness, min(count, part.size))
+        return
+    if part.sectors is None:
+        raise SuperelementError(
+            f"{part.name}: expected sectors, the number of sectors of the wheel"
+        )
+    for k in diameters:
+        if 2 * k <= part.sectors:
+            own = cyclic_reduction(part, part.sectors, k)
+            yield lowest_frequencies(own.mass, own.stiffness, min(count, own.mass.shape[0]))
 
 
 def _all_eigenvalues(mass: Any, stiffness: Any, shift: float) -> Any:

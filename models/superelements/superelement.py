@@ -97,6 +97,8 @@ class Superelement(Rotating[Matrix]):
     """Number of sectors of the wheel, if it is known; with left_dofs."""
     name: str = "superelement"  #: name, free text
     source: str = ""  #: origin of the matrices, free text
+    command: str = ""  #: command that made the file
+    whole_mass: float | None = None  #: mass with that of clamped nodes [kg], if it is known
 
     def __post_init__(self) -> None:
         faults = list(_faults(self))

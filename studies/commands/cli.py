@@ -32,6 +32,7 @@ from bladewhirl.studies.commands.periodic import periodic
 from bladewhirl.studies.commands.render import render
 from bladewhirl.studies.commands.results import export, plot, report
 from bladewhirl.studies.commands.show import show
+from bladewhirl.studies.commands.solids import mesh3d
 from bladewhirl.studies.commands.sweep import sweep
 from bladewhirl.studies.commands.terminal import UserErrorGroup, robust_output
 
@@ -59,7 +60,7 @@ class DocumentedCommand(TyperCommand):
 
 
 for command in (
-    *(campbell, convergence, critical_speeds, export, import_, mesh, modes),
+    *(campbell, convergence, critical_speeds, export, import_, mesh, mesh3d, modes),
     *(
         new,
         periodic,

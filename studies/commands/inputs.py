@@ -9,8 +9,9 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands import options
+from bladewhirl.studies.commands.solids import DIAMETERS, GROUPS, contact_table, list_solids
 from bladewhirl.studies.commands.terminal import emit
-from bladewhirl.studies.runs.columns import Column, facts, table
+from bladewhirl.studies.runs.columns import facts, table
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines
@@ -18,42 +19,58 @@ if TYPE_CHECKING:
     from bladewhirl.models.imports.inspection import Inspection
     from bladewhirl.models.superelements.superelement import Superelement
 
-GROUPS = (Column("name", "group"), Column("kind", "kind"), Column("members", "members", "d"))
 
-MATERIALS = (
-    Column("group", "elements of"),
-    Column("material", "material"),
-    Column("young_modulus", "Young's modulus", ".6g"),
-    Column("poisson_ratio", "Poisson's ratio", ".6g"),
-    Column("density", "density", ".6g"),
-)
+RIGID = 6  #: number of rigid modes of a free part
 
-NODES = (
-    Column("node", "contact node", "d"),
-    Column("radius", "radius [mm]", ".5g", scale=1e3),
-    Column("angle", "angle [deg]", ".4f"),
-    Column("z", "z [mm]", ".5g", scale=1e3),
-)
-
-MOST_NODES = 30  #: largest number of contact nodes that are listed
+ELASTIC = 1e-3
+"""Frequencies below this fraction of a higher one are those of rigid modes."""
 
 
 def new(
-    path: Annotated[Path, typer.Argument()] = Path("case.toml"), force: options.Force = False
+    path: Annotated[Path, typer.Argument()] = Path("case.toml"),
+    part: Annotated[Path | None, typer.Option("--from", metavar="PART")] = None,
+    speeds: Annotated[options.Span | None, options.span("--speeds")] = None,
+    force: options.Force = False,
 ) -> None:
-    """Write a case file with every key, its default and its meaning.
+    """Write a case file with every key, its default and its meaning; or one for a superelement.
+
+    With --from the case is short: speed, clearance, steps and records follow from the lowest
+    frequency and the radius of the superelement.
 
     Args:
         path: File to write.
+        part: File of a superelement, .npz or .mat.
+        speeds: Range of speeds for --from. Default: about a quarter of the lowest frequency.
     """
     from bladewhirl.files import write_atomically
     from bladewhirl.models.case.template import template
 
+    if part is None:
+        options.omitted("a case without --from", {"--speeds": speeds})
     options.refuse_existing(path, force=force)
+    text = template() if part is None else _case_of(part, speeds, path)
     with writing(path):
         path.parent.stat()  # an error if the folder does not exist
-        write_atomically(path, template())
+        write_atomically(path, text)
     typer.echo(f"Wrote {path}.")
+
+
+def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
+    """Return the text of a case for a superelement."""
+    import os
+    from math import pi
+
+    from bladewhirl.models.case.part_template import part_template
+    from bladewhirl.models.superelements.file import read_superelement
+    from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
+
+    part = read_superelement(file)
+    found = [
+        one for own in frequencies_by_diameter(part, RIGID + 1, range(DIAMETERS)) for one in own
+    ]
+    reference = 2.0 * pi * min(one for one in found if one > ELASTIC * max(found))
+    ends = None if speeds is None else reference * speeds.values(reference)
+    return part_template(os.path.relpath(file, case.parent), part, reference, ends, case)
 
 
 def mesh(
@@ -68,8 +85,8 @@ def mesh(
     sections, materials, masses, springs and links as data: the key \[bladed_disk.mesh] of a case
     can read the written file. A mesh file is converted without changes, in its own units.
 
-    Of a mesh of solids the elements, groups and materials are listed, and the call of bw.mesh3d
-    that makes a superelement of it.
+    Of a mesh of solids the elements, groups and materials are listed, and the command mesh3d that
+    makes a superelement of it; values that the mesh does not tell are question marks.
 
     Args:
         source: Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus or CalculiX.
@@ -85,7 +102,7 @@ def mesh(
     if isinstance(lines, VolumeMesh):
         if output is not None:
             raise UserError(f"{output}: expected a mesh of lines to write; {source} has solids")
-        _list_solids(lines, source)
+        list_solids(lines, source)
         return
     low, high = lines.points.min(axis=0), lines.points.max(axis=0)
     size = (
@@ -138,17 +155,6 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines | VolumeMesh:
             if format_of(source) in OTHERS and format_of(source) in READERS:  # solids only
                 both = {str(reason): None}
             raise UserError(f"{source}: expected {'; or '.join(both)}") from None
-
-
-def _list_solids(mesh: VolumeMesh, source: Path) -> None:
-    """Print elements, groups and materials of a mesh of solids, and how it becomes a
-    superelement."""
-    from bladewhirl.models.solids.listing import solid_listing
-
-    listing = solid_listing(mesh, str(source))
-    groups = table([*listing.groups], GROUPS)
-    materials = [table([*listing.materials], MATERIALS)] if listing.materials else []
-    emit(None, listing.size, groups, *materials, listing.call, json=False)
 
 
 def import_(
@@ -224,7 +230,7 @@ def import_(
         name=name,
     )
     given = f"{length_unit or 'm'}, {mass_unit or 'kg'}, s"
-    emit(None, facts(_facts(part, inspection, total, given)), *_contacts(part), json=False)
+    emit(None, facts(_facts(part, inspection, total, given)), *contact_table(part), json=False)
     for hint in inspection.hints:
         typer.echo(f"Hint: {hint}.", err=True)
     if output is not None:
@@ -253,18 +259,3 @@ def _facts(part: Superelement, inspection: Inspection, total: Any, units: str) -
     frequencies = ", ".join(f"{value:.6g}" for value in inspection.frequencies)
     shown["first frequencies"] = f"{frequencies} Hz" if frequencies else "none"
     return {key: value for key, value in shown.items() if value}
-
-
-def _contacts(part: Superelement) -> list[Any]:
-    import numpy as np
-
-    places = np.column_stack(
-        [part.contact_radius, np.degrees(part.contact_angle), part.contact_position[:, 2]]
-    )
-    rows = [
-        {"node": node, "radius": radius, "angle": angle, "z": z}
-        for node, (radius, angle, z) in enumerate(places.tolist())
-    ]
-    more = len(rows) - MOST_NODES
-    shown = [table(rows[:MOST_NODES], NODES)]
-    return [*shown, f"and {more} more contact nodes"] if more > 0 else shown

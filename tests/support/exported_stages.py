@@ -31,7 +31,7 @@ def exported(case: bw.Case, kind: Kind, folder: Path, **tables: Any) -> bw.Case:
     bw.write_superelement(file, bw.build_stage(case).to_superelement(kind))
     table = {"file": str(file), "kind": kind, "copies": BLADES}
     shaft = case.shaft.model_dump(exclude_defaults=True, exclude={"clamped"})
-    given = case.model_dump(exclude_defaults=True, include={"casing", "march", "rotation"})
+    given = case.model_dump(exclude_none=True, include={"casing", "march", "rotation"})
     given |= {
         "bladed_disk": {"superelement": table},
         "reduction": {"free_interface_modes": 4},

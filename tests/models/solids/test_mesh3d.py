@@ -237,9 +237,9 @@ def test_materials_of_a_deck_in_mm_need_the_unit_of_mass(tmp_path: Path) -> None
     text = f"*NODE\n{nodes}*ELEMENT{tail}".replace("4400", "4.4e-9").replace("\n200\n", "\n2e-10\n")
     text = text.replace("1.1e11", "1.1e5").replace("1e9", "1e3")
     expected = pytest.approx(CALCULIX["two materials"], rel=1e-6)
-    assert frequency_of(tmp_path, text, unit="mm", mass_unit="t") == expected
+    assert frequency_of(tmp_path, text, length_unit="mm", mass_unit="t") == expected
     with pytest.raises(CaseError, match="mass_unit: expected the unit of mass"):
-        frequency_of(tmp_path, text, unit="mm")
+        frequency_of(tmp_path, text, length_unit="mm")
 
 
 @pytest.mark.parametrize(
@@ -331,15 +331,15 @@ def test_units_axes_and_files_give_the_same_blade(tmp_path: Path) -> None:
         turned.point_data[name] = np.isin(np.arange(len(mesh.points)), nodes).astype(np.int64)
     turned.field_data["TimeValue"] = np.array([0.0])  # as ParaView writes
     turned.write(tmp_path / "blade.vtu")
-    again = mesh3d(tmp_path / "blade.vtu", **STEEL, unit="mm", axis="x", speed=100.0)
+    again = mesh3d(tmp_path / "blade.vtu", **STEEL, length_unit="mm", axis="x", speed=100.0)
     assert again.contact_position == pytest.approx(part.contact_position)
     assert abs(again.stiffness - part.stiffness).max() < 1e-9 * abs(part.stiffness).max()
     assert abs(again.mass - part.mass).max() < 1e-12 * abs(part.mass).max()
 
 
 def test_a_mesh_of_gmsh_and_one_of_calculix_are_read(tmp_path: Path) -> None:
-    gmsh = mesh3d(BLADE, **STEEL, unit="mm")
-    whole = mesh3d(BLADE, **STEEL, unit="mm", clamped=None)
+    gmsh = mesh3d(BLADE, **STEEL, length_unit="mm")
+    whole = mesh3d(BLADE, **STEEL, length_unit="mm", clamped=None)
     along = np.tile([1.0, 0.0, 0.0], whole.size // 3)
     assert along @ whole.mass @ along == pytest.approx(7800.0 * 0.1 * 0.03 * 0.005)
     first = lowest_frequencies(gmsh.mass, gmsh.stiffness, 1)
@@ -356,7 +356,9 @@ def test_a_mesh_of_gmsh_and_one_of_calculix_are_read(tmp_path: Path) -> None:
         chosen = np.flatnonzero(abs(mesh.points[:, 0] - place) < 1e-9) + 11
         lines += [f"*NSET, NSET={name}", *(f"{node}," for node in chosen)]
     (tmp_path / "blade.inp").write_text("\n".join(lines))
-    part = mesh3d(tmp_path / "blade.inp", **STEEL, unit="mm", clamped="NROOT", contact="NTIP")
+    part = mesh3d(
+        tmp_path / "blade.inp", **STEEL, length_unit="mm", clamped="NROOT", contact="NTIP"
+    )
     assert part.size == gmsh.size
     assert lowest_frequencies(part.mass, part.stiffness, 1) == pytest.approx(first)
 
@@ -439,7 +441,8 @@ def _turned_inside_out() -> meshio.Mesh:
         (cantilever("tetra"), {"contact": "root"}, "nodes that are not clamped; 6 of 6 are"),
         (cantilever("tetra"), {"contacts": 7}, "contacts = 7: expected a whole number from 1 to 6"),
         (cantilever("tetra"), {"poisson_ratio": 0.5}, "from 0 to less than 0.5"),
-        (cantilever("tetra"), {"unit": "kg"}, "a unit of length"),
+        (cantilever("tetra"), {"length_unit": "kg"}, "a unit of length"),
+        (cantilever("tetra"), {"unit": "mm"}, "length_unit = 'mm', the name of this argument"),
         (cantilever("tetra"), {"speed": "3 Pa"}, 'text such as "12000 rpm"'),
         (cantilever("tetra"), {"left": "root"}, "left, right and copies together"),
         (cantilever("tetra"), {"clamped": None, "speed": 9.0}, "does not resist rotation"),
@@ -483,4 +486,4 @@ def test_implausible_materials_are_named(changed: dict[str, Any], expected: str)
 
 def test_metres_called_millimetres_are_named() -> None:
     with pytest.raises(SuperelementError, match=r"perhaps 0\.0003[0-9]* is in m, where mm was"):
-        mesh3d(cantilever("tetra", (2, 1, 1)), **STEEL, unit="mm")
+        mesh3d(cantilever("tetra", (2, 1, 1)), **STEEL, length_unit="mm")

@@ -1,0 +1,94 @@
+"""Case file for a superelement, `bladewhirl new --from part.npz`: only keys that matter for it."""
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
+from bladewhirl.models.inputs.errors import toml_value
+from bladewhirl.models.inputs.units import handy
+from bladewhirl.models.superelements.superelement import Superelement
+
+CLOSING, OVAL = 0.5, 0.75
+"""Share of the clearance that the wall loses, and amplitude of its two lobes: together they exceed
+the clearance, which the lobes alone leave open at the start."""
+
+RECORDS = 200  #: number of records in a revolution
+
+INTERVALS = 10  #: number of intervals between the speeds of a sweep
+
+RANGE = (0.5, 1.5)
+"""Ends of the range of speeds, divided by the speed."""
+
+
+def part_template(
+    file: str, part: Superelement, reference: float, speeds: FloatArray | None, case: Path
+) -> str:
+    """Return a case file with comments for a superelement.
+
+    Args:
+        file: path of the superelement, relative to the case file.
+        part: the superelement.
+        reference: its lowest frequency at rest [rad/s].
+        speeds: range of speeds [rad/s]; by default about the default speed of a case.
+        case: path of the case file, for the commands in the comments.
+    """
+    clearance = CLEARANCE * float(part.contact_radius.max())
+    speed = SPEED * reference if speeds is None else float(sum(speeds)) / 2.0
+    ends = np.outer(speed, RANGE)[0] if speeds is None else speeds
+    low, high = (float(f"{end * 30.0 / pi:.{2 if speeds is None else 6}g}") for end in ends)
+    turn = 2.0 * pi / speed
+    profile = f'{{ lobes = 2, amplitude = "{handy(OVAL * clearance, "m", 3)}" }}'
+    amount, time = handy(CLOSING * clearance, "m", 3), handy(turn, "s", 2)
+    if speeds is None:
+        lowest = f"{reference / 2.0 / pi:.5g} Hz, the lowest frequency at rest"
+        reason = f"order {1.0 / SPEED:g} meets {lowest}"
+    else:
+        reason = "the middle of the given range"
+    span = ":".join(f"{one:.10g} rpm" for one in (low, high, (high - low) / INTERVALS))
+    effects, about = "none", "the file has no stiffness at speed"
+    if part.stiffness_speed is not None:
+        effects = "centrifugal" if part.gyroscopic is None else "full"
+        about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
+    copies, of = 1, "blades at equal angles, clamped at their roots"
+    if part.left_dofs is not None:
+        copies, of = part.sectors or 2, "sectors of the wheel, as in the file"
+    elif part.centre_dofs is not None:
+        of = "blades of the wheel; 1 does not distinguish them"
+    made = f"# The file was made by: {part.command}\n" if part.command else ""
+    return f"""\
+# bladewhirl modes {case}
+# bladewhirl campbell {case} --speeds "0 rpm:{high:.10g} rpm"
+# bladewhirl run {case}
+# bladewhirl sweep {case} --over "march.speed={span}"
+{made}title = {toml_value(part.name)}
+
+[bladed_disk.superelement]
+file = {toml_value(file)}
+copies = {copies}  # {of}
+
+[reduction]
+free_interface_modes = 10  # of each blade or sector
+
+[casing]
+type = "rigid"  # "ring" is a flexible casing, with keys of its own
+clearance = "{handy(clearance, "m", 3)}"  # {CLEARANCE:g} of the radius of the contact nodes
+# The wall is oval and closes in: lobes and closure together exceed the clearance.
+profile = {{ harmonics = [{profile}] }}
+closure = {{ amount = "{amount}", time_constant = "{time}" }}
+
+[contact]
+friction = 0.1
+sliding = "full"  # against the slip velocity, tangential and axial
+
+[rotation]
+effects = "{effects}"  # {about}
+
+[march]
+speed = "{float(f"{speed * 30.0 / pi:.4g}"):.10g} rpm"  # {reason}
+revolutions = {REVOLUTIONS}
+steps_per_revolution = {STEPS}  # twice as many show the error of the time steps
+record_step = "{handy(turn / RECORDS, "s", 2)}"  # about {RECORDS} records in a revolution
+"""

@@ -1,0 +1,95 @@
+"""Sectors of wheels in meshes: cut faces that match after a turn about an axis."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from bladewhirl.meshes.coincident import COINCIDENT
+from bladewhirl.meshes.files.volumes import VolumeMesh
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.solids.surface import surface_faces
+
+SLOPE = 1e-3
+"""Normals are equal up to this difference of their components."""
+
+SHARE = 0.1
+"""Faces that match by chance have a smaller share of the largest area that matches."""
+
+OPEN = 0.75
+"""Smallest share of a pitch that nodes of a sector leave free about the axis."""
+
+
+MOST_COPIES = 1000  #: largest number of sectors that is found
+
+
+class Sector(NamedTuple):
+    """Cut faces of a sector."""
+
+    copies: int  #: number of sectors of the wheel
+    left: IntArray  #: nodes of the clockwise face, ascending
+    right: IntArray  #: nodes of the counter-clockwise face, ascending
+
+
+def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
+    """Return the cut faces of a sector of a wheel; None if no faces match.
+
+    A face of an element on the surface that looks clockwise is cut if, after a turn about z by one
+    pitch, it is the face of another element that looks the opposite way. Of several numbers of
+    sectors the smallest is taken, unless few faces match.
+
+    Args:
+        mesh: mesh with the axis of rotation z.
+        copies: number of sectors; by default any.
+    """
+    corners, nodes = surface_faces(mesh)
+    at, normal, area = _centres(mesh.points, corners)
+    radius, angle = np.hypot(at[:, 0], at[:, 1]), np.arctan2(at[:, 1], at[:, 0])
+    size = float(np.ptp(mesh.points, axis=0).max())
+    close = COINCIDENT * size
+    # Components along the radius, the circumference and the axis do not change by a turn.
+    c, s = np.cos(angle), np.sin(angle)
+    turned = np.stack([c * normal[:, 0] + s * normal[:, 1], c * normal[:, 1] - s * normal[:, 0]])
+    along = close / SLOPE * np.column_stack([*turned, normal[:, 2]])
+    meridian = np.column_stack([radius, at[:, 2]])
+    clockwise = np.flatnonzero(turned[1] < -SLOPE)
+    ahead = np.flatnonzero(turned[1] > SLOPE)
+    if not len(clockwise) or not len(ahead):
+        return None
+    tree = cKDTree(np.hstack([meridian[ahead], along[ahead]]))
+    partners = tree.query_ball_point(np.hstack([meridian, -along])[clockwise], 2.0 * close)
+    left = np.repeat(clockwise, [len(one) for one in partners])
+    right = ahead[np.concatenate([np.asarray(one, dtype=np.int64) for one in partners])]
+    turn = (angle[right] - angle[left]) % (2.0 * np.pi)
+    number = np.rint(2.0 * np.pi / np.maximum(turn, 1e-9)).astype(np.int64)
+    fits = (number > 1) & (abs(turn * number - 2.0 * np.pi) * radius[left] < 2.0 * close * number)
+    fits &= number == copies if copies is not None else number <= MOST_COPIES
+    left, right, number = left[fits], right[fits], number[fits]
+    if not len(left):
+        return None
+    matched = np.bincount(number, weights=area[left])
+    found = int(np.flatnonzero(matched >= SHARE * matched.max())[0])
+    if largest_gap(mesh.points) < OPEN * 2.0 * np.pi / found:
+        return None
+    first, second = (np.unique(nodes[side[number == found]]) for side in (left, right))
+    first, second = first[first >= 0], second[second >= 0]
+    forward = rotate(mesh.points[first], 2.0 * np.pi / found)
+    apart = cKDTree(mesh.points[second]).query(forward)[0].max()
+    return Sector(found, first, second) if apart <= close else None
+
+
+def _centres(points: FloatArray, corners: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return centre, unit normal outward and area of faces with three or four corners."""
+    third = np.where(corners[:, 3] < 0, corners[:, 2], corners[:, 3])
+    a, b, c, d = (points[one] for one in (*corners[:, :3].T, third))
+    cross = np.cross(c - a, d - b) / 2.0
+    area = np.linalg.norm(cross, axis=1)
+    centre = np.where((corners[:, 3] < 0)[:, None], (a + b + c) / 3.0, (a + b + c + d) / 4.0)
+    return centre, cross / np.maximum(area, 1e-300)[:, None], area
+
+
+def largest_gap(points: FloatArray) -> float:
+    """Return the largest angle about z without nodes [rad]."""
+    angle = np.sort(np.arctan2(points[:, 1], points[:, 0]))
+    return float(np.diff(angle, append=angle[0] + 2.0 * np.pi).max())

@@ -1,0 +1,103 @@
+"""`bladewhirl new --from part.npz`, and the defaults of cases with a superelement."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import answer, refusal
+from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever, wheel_frequencies
+
+import bladewhirl as bw
+from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
+from bladewhirl.models.superelements.superelement import Superelement
+
+
+@cache
+def parts(kind: str) -> Superelement:
+    if kind == "sector":
+        return bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2, coriolis=True)
+    return bw.mesh3d(cantilever("tetra10"), **STEEL, contacts=2)
+
+
+@pytest.mark.parametrize("kind", ["sector", "blade"])
+def test_a_case_for_a_part_runs_as_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    part = parts(kind)
+    bw.write_superelement("part.npz", part)
+    Path("cases").mkdir()
+    assert (
+        answer("new", "cases/part.toml", "--from", "part.npz").stdout == "Wrote cases/part.toml.\n"
+    )
+    text = Path("cases/part.toml").read_text()
+    for of_beams in ("elements", "disk_kind", "fixed_interface_modes", "suspension"):
+        assert of_beams not in text
+    case = bw.read_case("cases/part.toml")
+    table = case.bladed_disk.superelement
+    assert table is not None
+    assert (table.kind, table.copies) == (kind, SECTORS if kind == "sector" else 1)
+    assert case.rotation.effects == ("full" if kind == "sector" else "centrifugal")
+    radius = part.contact_radius.max()
+    assert case.casing.clearance == pytest.approx(CLEARANCE * radius, rel=5e-3)
+    short = {"march.revolutions": 3, "march.steps_per_revolution": 1024}
+    run = bw.run(bw.with_values(case, short), "run", frames=0)
+    assert max(run.summary.contact_share) > 0.0
+    for command in text.splitlines()[:2]:
+        assert command.startswith("# bladewhirl ")
+
+
+def test_the_range_of_speeds_is_taken(tmp_path: Path) -> None:
+    bw.write_superelement(tmp_path / "part.npz", parts("sector"))
+    case = tmp_path / "part.toml"
+    given = ("--from", tmp_path / "part.npz", "--speeds", "8000 rpm:12000 rpm")
+    answer("new", case, *given)
+    assert bw.read_case(case).march.speed.given == "10000 rpm"
+    assert '--over "march.speed=8000 rpm:12000 rpm:400 rpm"' in case.read_text()
+    line = refusal("new", tmp_path / "other.toml", "--speeds", "8000 rpm:12000 rpm")
+    assert line == "--speeds: not allowed with a case without --from"
+
+
+def test_a_sector_without_a_number_of_sectors_is_refused(tmp_path: Path) -> None:
+    bw.write_superelement(tmp_path / "part.npz", replace(parts("sector"), sectors=None))
+    line = refusal("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz")
+    assert "expected sectors, the number of sectors of the wheel" in line
+
+
+@pytest.mark.parametrize(
+    ("march", "expected"),
+    [
+        ({}, {"speed": SPEED, "steps_per_revolution": STEPS, "revolutions": REVOLUTIONS}),
+        ({"time_step": 1e-6, "duration": 0.1}, {"steps_per_revolution": None, "duration": 0.1}),
+        ({"speed": "0 rpm"}, {"steps_per_revolution": None, "revolutions": None}),
+        ({"speed_table": [["0 s", 0.1], ["1 s", 0.2]]}, {"revolutions": None}),
+    ],
+)
+def test_a_case_that_leaves_them_out_has_defaults_of_its_part(
+    tmp_path: Path, march: dict[str, Any], expected: dict[str, Any]
+) -> None:
+    part = parts("sector")
+    bw.write_superelement(tmp_path / "part.npz", part)
+    tables: dict[str, Any] = {"bladed_disk": {"superelement": {"file": str(tmp_path / "part.npz")}}}
+    case = bw.case_from(tables | {"march": march, "rotation": {"effects": "full"}})
+    for key, value in expected.items():
+        found = getattr(case.march, key)
+        assert getattr(found, "given", found) == value
+    assert case.casing.clearance == pytest.approx(CLEARANCE * part.contact_radius.max())
+    assert bw.case_from(case.model_dump(exclude_none=True)) == case
+
+
+def test_beams_keep_the_defaults_of_the_paper() -> None:
+    case = bw.Case()
+    assert (case.march.speed.given, case.march.steps, case.casing.clearance) == (1.05, 3e6, 1e-3)
+
+
+def test_the_lowest_frequency_sets_the_speed(tmp_path: Path) -> None:
+    part = parts("sector")
+    bw.write_superelement(tmp_path / "part.npz", part)
+    answer("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz")
+    lowest = wheel_frequencies(part, SECTORS, 1, range(6)).min()
+    speed = bw.read_case(tmp_path / "part.toml").march.speed
+    assert speed.value == pytest.approx(2.0 * 3.14159265 * SPEED * lowest, rel=5e-4)

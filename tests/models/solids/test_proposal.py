@@ -1,0 +1,125 @@
+"""What a mesh suggests: cut faces, axis, clamped nodes, units; and the command made of it."""
+
+import shlex
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from command_line import answer, refusal
+from solid_meshes import (
+    SECTORS,
+    STEEL,
+    TIE,
+    bladed_sector,
+    cantilever,
+    deck,
+    deck_text,
+    wheel_frequencies,
+)
+
+import bladewhirl as bw
+from bladewhirl.meshes.files.volumes import read_volume_mesh
+from bladewhirl.models.solids.sectors import find_sector
+
+MATERIAL = """*ELSET, ELSET=HUB
+all
+*MATERIAL, NAME=steel
+*ELASTIC
+2.1e5, 0.3
+*DENSITY
+7.8e-9
+*SOLID SECTION, ELSET=all, MATERIAL=steel
+"""
+ORDER = {"x": [2, 0, 1], "y": [1, 2, 0], "z": [0, 1, 2]}
+"""Coordinates of a mesh about z that become x, y and z of the same mesh about another axis."""
+
+
+def turned(mesh: meshio.Mesh, axis: str) -> meshio.Mesh:
+    return meshio.Mesh(mesh.points[:, ORDER[axis]], mesh.cells, point_sets=mesh.point_sets)
+
+
+def wheel(mesh: meshio.Mesh) -> meshio.Mesh:
+    """Return a wheel of copies of a sector whose faces are not joined."""
+    angles = 2.0 * np.pi / SECTORS * np.arange(SECTORS)
+    x, y, z = mesh.points.T
+    turns = [(np.cos(a) * x - np.sin(a) * y, np.sin(a) * x + np.cos(a) * y, z) for a in angles]
+    (block,) = mesh.cells
+    cells = [block.data + n * len(mesh.points) for n in range(SECTORS)]
+    return meshio.Mesh(
+        np.concatenate([np.stack(one, axis=1) for one in turns]),
+        [(block.type, np.concatenate(cells))],
+    )
+
+
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "wedge15", "hexahedron20", "hexahedron27"])
+def test_cut_faces_are_found(kind: str) -> None:
+    mesh = bladed_sector(kind)
+    sector = find_sector(read_volume_mesh(mesh))
+    assert sector is not None
+    assert sector.copies == SECTORS
+    volumes = read_volume_mesh(mesh)
+    for side, name in ((sector.left, "left"), (sector.right, "right")):
+        assert side.tolist() == volumes.groups[name].tolist()
+    assert find_sector(volumes, SECTORS + 1) is None
+
+
+@pytest.mark.parametrize("mesh", [cantilever("hexahedron20"), wheel(bladed_sector("tetra10"))])
+def test_blades_and_wheels_have_no_cut_faces(mesh: meshio.Mesh) -> None:
+    for axis in ORDER:
+        assert find_sector(read_volume_mesh(turned(mesh, axis))) is None
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+@pytest.mark.parametrize("named", [True, False])
+def test_a_proposal_pasted_as_it_is_makes_the_part(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, axis: str, named: bool
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mesh = turned(bladed_sector("hexahedron20"), axis)
+    mesh.points = 1e3 * mesh.points
+    if not named:
+        mesh.point_sets = {}
+    Path("my deck.inp").write_text(deck_text(mesh, "C3D20R") + MATERIAL)
+    [line] = [one for one in answer("mesh", "my deck.inp").stdout.splitlines() if " mesh3d " in one]
+    words = shlex.split(line)
+    assert words[words.index("--copies") + 1] == str(SECTORS)
+    assert ("--left" in words) == named
+    assert ("--clamped root" in line) == named  # never the volume HUB
+    printed = " ".join(answer(*words[1:]).stdout.split())
+    part = bw.read_superelement("my deck.npz")
+    assert part.command == line.replace(" --clamped root --contact tip", "")  # the defaults
+    assert part.sectors == SECTORS
+    direct = bw.mesh3d(deck(tmp_path, bladed_sector("hexahedron20"), "C3D20R"), **STEEL, **TIE)
+    expected = wheel_frequencies(direct, SECTORS, 3)
+    assert wheel_frequencies(part, SECTORS, 3) == pytest.approx(expected, rel=1e-6)
+    assert f"0 {expected[0, 0]:.6g} {expected[0, 1]:.6g}" in printed
+    assert Path("my deck.png").stat().st_size > 10_000
+
+
+def test_what_is_not_known_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    mesh = cantilever("hexahedron20")
+    mesh.point_sets = {}
+    mesh.write("blade.vtu")
+    printed = answer("mesh", "blade.vtu").stdout
+    [line] = [one for one in printed.splitlines() if " mesh3d " in one]
+    options = shlex.split(line)[2:]
+    given = dict(zip(options[1::2], options[2::2], strict=True))
+    values = {
+        "--axis": "z",
+        "--young-modulus": "210 GPa",
+        "--poisson-ratio": "0.3",
+        "--density": "7800",
+        "--clamped": "x = 0.2",
+        "--contact": "x = 0.3",
+    }
+    assert {option for option, value in given.items() if value == "?"} == {*values}
+    while unknown := [option for option, value in given.items() if value == "?"]:
+        line = refusal("mesh3d", "blade.vtu", *(word for pair in given.items() for word in pair))
+        key = line.split(" ")[0].replace("_", "-")
+        assert f"--{key}" in unknown
+        assert not Path("blade.npz").exists()
+        given[f"--{key}"] = values[f"--{key}"]
+    answer("mesh3d", "blade.vtu", *(word for pair in given.items() for word in pair))
+    assert Path("blade.npz").exists()
