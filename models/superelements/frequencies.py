@@ -8,7 +8,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from scipy.linalg import eigh
 
-from bladewhirl.models.superelements.cyclic import cyclic_reduction
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -79,8 +79,9 @@ def frequencies_by_diameter(
         )
     for k in diameters:
         if 2 * k <= part.sectors:
-            own = cyclic_reduction(part, part.sectors, k)
-            yield lowest_frequencies(own.mass, own.stiffness, min(count, own.mass.shape[0]))
+            tie = transformation(part, part.sectors, k)
+            own = part.projected(tie, ("mass", "stiffness"))
+            yield lowest_frequencies(**own, count=min(count, tie.shape[1]))
 
 
 def _all_eigenvalues(mass: Any, stiffness: Any, shift: float) -> Any:
