@@ -22,6 +22,7 @@ from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.wear import wear_summary
+from bladewhirl.postprocess.shaft.bearing_forces import bearing_forces
 from bladewhirl.postprocess.shaft.crossings import crossings
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
@@ -90,6 +91,9 @@ class Summary:
     revolutions: float  #: number of revolutions
     shaft_radius_max: float | None  #: largest displacement of the shaft over the records [m]
     shaft_radius_final: float | None  #: displacement of the shaft at the last record [m]
+    bearing_force_max: float | None
+    """Largest force of the rotor on its bearings over the records, without its weight [N]."""
+    bearing_force_time: float | None  #: instant of this force [s]
     whirl_frequency_rotating: float | None
     """Net turns per second [Hz] about the bearing's centre in rotating axes over the last third,
     forward positive; None if there is no single whirl frequency, see `whirl.whirl`."""
@@ -275,6 +279,7 @@ def _shaft_figures(dataset: xr.Dataset, orbit: xr.Dataset | None, tips: float) -
     numbers = (
         *("shaft_radius_max", "shaft_radius_final", "whirl_frequency_rotating"),
         *("whirl_frequency_static", "whirl_frequency_error", "ripple_rms", "ripple_frequency"),
+        *("bearing_force_max", "bearing_force_time"),
     )
     figures: dict[str, Any] = {**dict.fromkeys(numbers), "whirl_lines": [], "ripple_lines": []}
     figures["critical_crossings"] = []
@@ -294,6 +299,9 @@ def _shaft_figures(dataset: xr.Dataset, orbit: xr.Dataset | None, tips: float) -
     }
     if not radius.max() > ROUNDING * tips:
         return figures
+    force = bearing_forces(dataset, orbit)["force"]
+    figures["bearing_force_max"] = float(force.max())
+    figures["bearing_force_time"] = float(force["time"][int(force.values.argmax())])
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     return figures | {
         "whirl_frequency_rotating": rotating.frequency,

@@ -75,6 +75,7 @@ def _shaft(summary: Summary) -> dict[str, str]:
     return {
         "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
         f" {_text(summary.shaft_radius_final, 'm')} at the end",
+        **_bearings(summary),
         "whirl, rotating frame": _whirl(
             summary.whirl_frequency_rotating, summary.whirl_lines, "rotating", summary.end_time
         ),
@@ -85,6 +86,13 @@ def _shaft(summary: Summary) -> dict[str, str]:
         f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating', np.inf)}",
         **_crossings(summary.critical_crossings),
     }
+
+
+def _bearings(summary: Summary) -> dict[str, str]:
+    if summary.bearing_force_max is None:
+        return {}
+    force, time = _text(summary.bearing_force_max, "N"), _text(summary.bearing_force_time, "s")
+    return {"force on the bearings, largest": f"{force} at {time}"}
 
 
 def _crossings(found: list[CriticalCrossing]) -> dict[str, str]:
