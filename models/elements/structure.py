@@ -98,8 +98,8 @@ class Structure(Rotating[sp.csr_array]):
         return Waves(nodal_diameter=k, **{name: block.toarray() for name, block in blocks.items()})
 
     def waves(self) -> Iterator[Waves]:
-        """Yield the matrices of each nodal diameter of equal sectors, with the stiffness at
-        rest."""
+        """Yield the matrices of each nodal diameter, with the stiffness at rest; if sectors differ,
+        those of their mean."""
         assert self.layout is not None
         given = replace(self, stiffness=self.elastic).given(Waves.FORMS)
         for k, blocks in self.layout.blocks(*given.values()):

@@ -225,23 +225,14 @@ def modes_of_blocks(
 
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
     """Return all modes of a cyclic structure, or of the tuned twin of another structure."""
-    layout = structure.layout
+    layout, omega, blocks = structure.layout, structure.speed or 0.0, []
     assert layout is not None  # both callers check this
-
-    matrices = (structure.mass, structure.stiffness, structure.springs, structure.elastic)
-    blocks = []
-    for k, (mass, stiffness, springs, elastic) in layout.blocks(*matrices):
+    for wave in structure.waves():
+        k = wave.nodal_diameter
         constraints = layout.basis(k).conj().T @ structure.constraints
-        square, vectors = constrained_eigh(stiffness, mass, constraints)
+        square, vectors = constrained_eigh(wave.stiffness_at(omega), wave.mass, constraints)
         vectors = align_phase(vectors, reference, pair=is_pair(k, layout.sectors))
-        strain = square
-        if structure.at_rest is not None:
-            strain = np.einsum("im,im->m", vectors.conj(), elastic @ vectors).real
-        rows = np.flatnonzero(springs.any(axis=1))  # springs act on few rows
-        held = vectors[rows]
-        share = np.sum(held.conj() * (springs[np.ix_(rows, rows)] @ held), axis=0).real
-        share /= np.maximum(np.maximum(share, np.abs(strain)), np.finfo(float).tiny)
-        blocks.append((k, square, vectors, share))
+        blocks.append((k, square, vectors, wave.shares(vectors)))
     found = replace(modes_of_blocks(blocks, layout.sectors), layout=layout, size=structure.size)
     if structure.at_rest is None:  # negative squares are rounding errors
         found = replace(found, frequency=np.maximum(found.frequency, 0.0))

@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -75,16 +76,16 @@ class MarchedStage(ABC):
             arrays = replace(arrays, sudden_changes=changes)
         if not march.varies:
             return arrays
-        arrays = replace(arrays, modes_speed=self.speed)
-        if isinstance(self.model, Stage):
-            arrays = replace(arrays, rotor_inertia=turning_inertia(self.model))
-            if self.model.disk.rotates:
-                speeds, whirls = lowest_critical_speeds(self.case, self.model.disk)
-                arrays = replace(arrays, critical_speed=speeds, critical_whirl=whirls)
+        arrays = replace(arrays, modes_speed=self.speed, **self.over_speeds)
         if march.drive is not None:
             drive = march.drive
             arrays = replace(arrays, drive_torque=drive.torque, drive_loss=drive.loss)
         return arrays
+
+    @property
+    def over_speeds(self) -> dict[str, Any]:
+        """Further arrays of a stage whose speed varies, by name."""
+        return {}
 
     @property
     @abstractmethod
@@ -161,6 +162,14 @@ class MarchedBeams(MarchedStage):
             "blade_length": self.model.disk.model.blade_length,
             "clamped": int(self.case.shaft.clamped),
         }
+
+    @property
+    def over_speeds(self) -> dict[str, Any]:
+        arrays: dict[str, Any] = {"rotor_inertia": turning_inertia(self.model)}
+        if self.model.disk.rotates:
+            speeds, whirls = lowest_critical_speeds(self.case, self.model.disk)
+            arrays |= {"critical_speed": speeds, "critical_whirl": whirls}
+        return arrays
 
     @property
     def symmetry(self) -> Mapping[str, str]:

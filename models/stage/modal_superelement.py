@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -46,7 +47,6 @@ from bladewhirl.models.structure.waves import Waves
 from bladewhirl.models.superelements.nodal_blocks import (
     UNKNOWN,
     Blocks,
-    NodalBlock,
     blade_blocks,
     block_of,
     sector_blocks,
@@ -67,7 +67,8 @@ class ModalSuperelement(ModalModel):
     """A superelement, or its copies, and the casing in their modes."""
 
     stage: SuperelementStage  #: the structure at rest
-    blocks: Blocks  #: matrices of each nodal diameter
+    blocks: Blocks
+    """Matrices of each nodal diameter, with the effects of the rotation on this structure only."""
     clamped_blocks: Blocks | None  #: the same with a clamped centre; None if no centre moves
     families: int  #: number of families
     count: int | None  #: number of modes to list; all if None
@@ -173,7 +174,7 @@ class ModalSuperelement(ModalModel):
     def waves(self) -> dict[int, Waves]:
         if UNKNOWN in self.blocks or np.ptp(self.stage.factor) > 0.0:
             raise UserError(UNEQUAL_SECTORS)
-        found: dict[int, Waves] = {k: self._wave(block) for k, block in self.blocks.items()}
+        found: dict[int, Waves] = {**self.blocks}
         difference = self.case.shaft.anisotropy
         if difference and self.clamped_blocks is not None and 1 in found:
             along_x = self.blocks[1].centre[0].conj()
@@ -256,38 +257,32 @@ class ModalSuperelement(ModalModel):
     def _table(self) -> SuperelementTable:
         return self.stage.table
 
-    def _wave(self, block: NodalBlock) -> NodalBlock:
-        """Return a block with the effects of the rotation on this structure only."""
-        effects: Effects = self.case.rotation.effects
-        return replace(block.under(effects), gyroscopic=block.under(self.effects).gyroscopic)
-
     def _modes(self, blocks: Blocks) -> ListedModes:
         """Return the lowest modes at the speed of the case."""
         copies, omega = self._table.copies, self.speed
-        if self.effects != "full":
+        listed: ListedModes
+        if self.effects == "full":
+            waves = [wave_modes(block, omega, copies) for block in blocks.values()]
+            modes = joined_modes(waves)
+            modes = modes.take(np.argsort(modes.frequency, kind="stable")[: self.count])
+            family, before = wave_families(self._labelled(blocks, 0.0), modes)
+            listed = replace(modes, family=family, at_rest=before)
+        else:
             labelled = self._labelled(blocks, omega)
             count = min(self.count or labelled.count, labelled.count)
-            labelled = labelled.take(slice(count + is_first_of_pair(labelled.column, count - 1)))
-            found = self._dominant(blocks, labelled.amplitudes)
-            if found is not None:
-                labelled = replace(labelled, nodal_diameter=found[0], purity=found[1])
-            return labelled
-        waves = (self._wave(block) for block in blocks.values())
-        modes = joined_modes([wave_modes(wave, omega, copies) for wave in waves])
-        modes = modes.take(np.argsort(modes.frequency, kind="stable")[: self.count])
-        family, before = wave_families(self._labelled(blocks, 0.0), modes)
-        if (found := self._dominant(blocks, modes.amplitudes)) is not None:
-            modes = replace(modes, nodal_diameter=found[0], purity=found[1])
-        return replace(modes, family=family, at_rest=before)
+            listed = labelled.take(slice(count + is_first_of_pair(labelled.column, count - 1)))
+        if (found := self._dominant(blocks, listed.amplitudes)) is not None:
+            listed = replace(listed, nodal_diameter=found[0], purity=found[1])
+        return listed
 
     def _labelled(self, blocks: Blocks, omega: float) -> LabelledModes:
         """Return the modes without Coriolis forces at a speed [rad/s], with their families; the
         modes of a wheel whose blades differ or are not known have none."""
-        copies, softens = self._table.copies, self.case.rotation.effects != "none"
+        copies = self._table.copies
         at_rest = _collected(blocks, copies, 0.0)
         if UNKNOWN not in blocks or self._table.kind == "blade":
             at_rest = replace(at_rest, family=tuple(families(at_rest, "bladed-disk", copies)))
-        if omega == 0.0 or not softens:
+        if omega == 0.0 or self.case.rotation.effects == "none":
             return at_rest
         turning = _collected(blocks, copies, omega)
         family, before = named_at_speed(turning, at_rest)
@@ -361,8 +356,8 @@ def modal_superelement(
         casing=None if stage.ring is None else stage.ring.casing,
         casing_modes=_of_casing(stage),
         stage=stage,
-        blocks=blocks,
-        clamped_blocks=clamped,
+        blocks=_acted_on(blocks, case.rotation.effects),
+        clamped_blocks=None if clamped is None else _acted_on(clamped, case.rotation.effects),
         families=families,
         count=count,
         highest=highest,
@@ -379,6 +374,14 @@ def _lowest_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
         if each >= count or np.count_nonzero(np.concatenate(squares) <= reached) >= count:
             return blocks
         each *= 2
+
+
+def _acted_on(blocks: Blocks, effects: Effects) -> Blocks:
+    """Return blocks with effects of the rotation only; for "none" with any Coriolis forces."""
+    if effects != "none":
+        return {k: block.under(effects) for k, block in blocks.items()}
+    still: dict[str, Any] = {"stiffness_speed": None, "stiffness_speed4": None}
+    return {k: replace(block, **still) for k, block in blocks.items()}
 
 
 def _of_casing(stage: SuperelementStage) -> LabelledModes:

@@ -467,8 +467,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     if not of_waves:
         name = "free" if case.reduction.boundary == "massless" else "fixed"
         key = f"reduction.{name}_interface_modes"
-    turning = at_rest is not None
-    reduced_at = partial(_reduced_at, case, part, factor, omega, turning=turning)
+    reduced_at = partial(_reduced_at, case, part, factor, omega)
     try:
         given, part, reduced = reduced_at(omega, others=_other_speeds(case, at_rest))
     except SuperelementError as error:
@@ -516,8 +515,6 @@ def _reduced_at(
     factor: FloatArray,
     highest: float,
     omega: float,
-    *,
-    turning: bool,
     others: Sequence[float] = (),
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
     """Return a superelement at a speed, its structure with its supports, and its reduction.
@@ -528,7 +525,6 @@ def _reduced_at(
         factor: factor on the stiffness of each blade, (blades,).
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
         omega: speed [rad/s].
-        turning: whether the rotation acts on the structure.
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `massless` and `consistent`.
 
@@ -541,9 +537,9 @@ def _reduced_at(
         speeds = omega, highest
         found = wheel_of_sectors(case, part, speeds, factor, others)
         return part, *found
-    root, slower = None, list[Superelement]()
-    if turning:
-        still, effects = over_speeds(case, part, highest), case.rotation.effects
+    root, slower, effects = None, list[Superelement](), case.rotation.effects
+    if effects != "none":
+        still = over_speeds(case, part, highest)
         part = still.at(omega, effects)
         root = damping_root(case, still, highest)
         slower = [assembled(case, still.at(each, effects)) for each in others]

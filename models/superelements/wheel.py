@@ -172,19 +172,21 @@ def _expanded(
     coupled = first.given(set(ReducedWave.FORMS) - {"mass", "stiffness"})
     matrices: dict[str, list[FloatArray]] = {name: [] for name in coupled}
     loads: dict[str, list[FloatArray]] = {name: [] for name in first.given(first.LOADS)}
-    squares, contact, strains, stresses = [], [], [], []
+    rows_of: dict[str, list[FloatArray]] = {"contact": [], "strains": [], "stresses": []}
+    squares = []
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
         for phases in _real_waves(k, spread):
-            contact.append(np.vstack([(one * wave.contact).real for one in phases]))
-            strains.append(np.vstack([(one * wave.strains).real for one in phases]))
-            stresses.append(np.vstack([(one * wave.stresses).real for one in phases]))
+            for name, parts in rows_of.items():
+                field = getattr(wave, name)
+                parts.append(np.vstack([(one * field).real for one in phases]))
             squares.append(wave.squares)
             for name, parts in loads.items():  # those of nodal diameter 0, on all sectors
                 parts.append(np.sqrt(sectors) * getattr(wave, name).real)
         for name, blocks in matrices.items():
             blocks.append(_on_waves(getattr(wave, name), pair=pair))
     order = _order(waves, sectors)
+    moved_by = {name: np.hstack(parts)[:, order] for name, parts in rows_of.items()}
     flexibility = _by_distance([wave.residual for wave in waves], sectors)
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
@@ -216,16 +218,16 @@ def _expanded(
         **{name: la.block_diag(*blocks)[order][:, order] for name, blocks in matrices.items()},
         **{name: np.concatenate(parts)[order] for name, parts in loads.items()},
         speed=first.speed,
-        contact=np.hstack(contact)[:, order],
+        contact=moved_by["contact"],
         compliance=0.5 * (compliance + compliance.T),
         centre=np.zeros((2, len(values))),
         of_points=points,
         points_by_force=points_by_force,
-        strains=np.hstack(strains)[:, order],
+        strains=moved_by["strains"],
         strains_by_force=_by_distance([wave.strains_by_force for wave in waves], sectors),
         stress=(
             ReducedStress(
-                modes=np.hstack(stresses)[:, order],
+                modes=moved_by["stresses"],
                 forces=_by_distance([wave.stresses_by_force for wave in waves], sectors),
                 steady=np.tile(first.steady, sectors) if len(first.steady) else None,
             )

@@ -128,7 +128,7 @@ def show(
         output: File of the drawing; by default the name of the case with .png.
     """
     from bladewhirl.models.case.template import dumps_case
-    from bladewhirl.models.stage.marched import MarchedBeams, marched_stage
+    from bladewhirl.models.stage.marched import marched_stage
     from bladewhirl.studies.runs.properties import speed_hint
 
     if output is not None and not png:
@@ -136,7 +136,7 @@ def show(
     with options.case_of(case, overrides) as checked:
         with reduction_bar():
             stage = marched_stage(checked)
-        beams = isinstance(stage, MarchedBeams)
+        beams = checked.bladed_disk.superelement is None
         shown: Callable[[Any], Shown] = _of_beams if beams else _of_superelement
         derived, tables, node_sets = shown(stage.model)
         for hint in filter(None, (*stage.hints(), speed_hint(stage.case, stage.speed))):

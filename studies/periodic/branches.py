@@ -16,7 +16,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.marched import MarchedNodes, marched_stage
+from bladewhirl.models.stage.marched import MarchedStage, marched_stage
 from bladewhirl.postprocess.periodic.branch import plot_branch
 from bladewhirl.postprocess.periodic.dataset import (
     BRANCH_NAME,
@@ -153,11 +153,11 @@ class Family:
         if start.speed * stop.speed <= 0.0:
             raise UserError(f"{OVER} {parameter.key}: expected a range without the speed 0")
 
-    def _stage(self, value: float) -> MarchedNodes:
+    def _stage(self, value: float) -> MarchedStage:
         """Return the stage of the case at a value of the parameter."""
         return nodes_of(marched_stage(self._parameter.case(self._case, value)), self._blade)
 
-    def _built(self, stage: MarchedNodes) -> Blade:
+    def _built(self, stage: MarchedStage) -> Blade:
         """Return the blade of a stage, with the period and the unknowns of the whole range."""
         return blade_of(stage, self._blade, self._periods, self._samples)
 

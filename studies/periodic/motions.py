@@ -15,7 +15,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.marched import Marchable, MarchedNodes, marched_stage
+from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_stage
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.corotating import obstacles
@@ -152,17 +152,19 @@ def periodic(
     return data.assign_attrs(failures="\n".join(failures))
 
 
-def nodes_of(stage: Any, blade: int) -> MarchedNodes:
+def nodes_of(stage: MarchedStage, blade: int) -> MarchedStage:
     """Return a stage whose blade with a number is a superelement of its own.
 
     Raises:
         UserError: it has no such blade.
     """
-    expected = "a superelement, as tips of beams have mass"
-    if isinstance(stage, MarchedNodes):
-        table = stage.model.table
+    expected, table = (
+        "a superelement, as tips of beams have mass",
+        stage.case.bladed_disk.superelement,
+    )
+    if table is not None:
         expected = f'bladed_disk.superelement.kind = "blade", found "{table.kind}"'
-    if not isinstance(stage, MarchedNodes) or table.kind != "blade":
+    if table is None or table.kind != "blade":
         problem = stage.contact_problem(steps=False)
         reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")
         raise UserError(
