@@ -11,8 +11,9 @@ A comment on the line above a block has these effects:
 `<!-- printed: words -->` beside a sentence asserts that a block above prints these words, so that
 numbers in the text remain those of the blocks.
 
-A short run of a page shows that its blocks work: commands march at most `SHORT`, sweep two points
-of each key and film two frames. What a short run prints is not compared with the text.
+A short run of a page shows that its blocks work: commands march at most `SHORT`, except where the
+speed follows a table, sweep two points of each key and film two frames. What a short run prints is
+not compared with the text.
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -150,8 +151,8 @@ def shortened(words: list[str]) -> list[str]:
     from bladewhirl import read_case
 
     options = {"--frames": _two, "--over": _ends}
-    if words[0] in ("render", "export"):  # a window may lie beyond a short march
-        options |= {"--from": None, "--to": None}
+    if words[0] in ("render", "export", "plot"):  # instants may lie beyond a short march
+        options |= {"--from": None, "--to": None, "--time": None}
     short, sets = words[:1], []
     for option, word in pairwise(words):
         if option in options:
@@ -165,7 +166,7 @@ def shortened(words: list[str]) -> list[str]:
         march = read_case(words[1], sets).march
         if any(each.startswith("march.revolutions=") for each in sets):
             short += ["--set", "march.revolutions=1"]
-        elif march.duration > SHORT:
+        elif march.duration > SHORT and not (march.speed_table or march.run_up):
             short += ["--set", f"march.duration={SHORT}"]
     return short
 

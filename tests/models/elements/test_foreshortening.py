@@ -44,6 +44,29 @@ def test_few_terms_give_the_form() -> None:
     )
 
 
+def test_a_blade_bent_to_a_parabola_draws_back_by_the_closed_form() -> None:
+    """w = y (s / L)^2 on a straight blade of length L: int w'^2 / 2 ds = 2 y^2 / (3 L)."""
+    case = read_case(EXAMPLES / "imbalance.toml")
+    disk, blade, height = build_stage(case).disk, 3, 0.02
+    beams = blade_beams(disk.model, int(disk.model.tips[blade]))
+    mesh, root = disk.mesh, disk.mesh.points[beams.root]
+    length = np.linalg.norm(mesh.points[disk.model.tips[blade]] - root)
+    along = (mesh.points[disk.model.tips[blade]] - root) / length
+    place = (mesh.points - root) @ along
+    fields = disk.cartesian(np.eye(disk.structure.size))  # of unit coordinates
+    target = np.zeros(fields.shape[:2])
+    for node in np.unique(mesh.lines[beams.lines]):
+        rise = height * (place[node] / length) ** 2
+        target[node] = (
+            *(rise * np.array([-along[1], along[0]])),
+            2.0 * rise / max(place[node], 1e-9),
+        )
+    bent = np.linalg.lstsq(fields.reshape(-1, disk.structure.size), target.ravel(), rcond=None)[0]
+    rows, signs = drawback(disk, bent[:, None], blade, around=False)
+    drawn = 0.5 * signs @ rows[:, 0] ** 2
+    assert drawn == pytest.approx(2.0 * height**2 / (3.0 * length), rel=1e-9)
+
+
 @pytest.mark.parametrize("around", [False, True])
 def test_the_form_of_a_problem_is_the_drawback_of_its_fields(around: bool) -> None:
     changes = ["contact.foreshortening=true", f"contact.tip_rotation={str(around).lower()}"]

@@ -77,6 +77,26 @@ def test_a_mistuned_sector_of_solids_has_the_modes_of_its_wheel(
     assert flexible[::3].max() == pytest.approx(static[::3].max(), rel=1e-3)
 
 
+def test_the_factor_of_a_blade_scales_its_stiffness_only() -> None:
+    """Two blades of three coordinates each on a disk of one coordinate, by hand."""
+    blade = np.array([[4.0, -1.0, 0.0], [-1.0, 5.0, -2.0], [0.0, -2.0, 6.0]])
+    blades = np.zeros((7, 7))
+    blades[:3, :3], blades[3:6, 3:6] = blade, blade
+    angle = np.array([0.0, np.pi])
+    wheel = Superelement(
+        mass=np.eye(7),
+        stiffness=blades + np.diag([0.0] * 6 + [9.0]),
+        blade_stiffness=blades,
+        contact_position=np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle]),
+        contact_dofs=np.arange(6).reshape(2, 3),
+    )
+    found = mistuned_wheel(wheel, np.array([1.1, 0.7]))
+    expected = np.diag([0.0] * 6 + [9.0])
+    expected[:3, :3], expected[3:6, 3:6] = 1.1 * blade, 0.7 * blade
+    assert dense(found.stiffness) == pytest.approx(expected, rel=1e-14)
+    assert found.blade_stiffness is None
+
+
 def test_blades_of_a_wheel_must_be_separate(sector: Superelement) -> None:
     wheel = whole_wheel(sector, SECTORS)
     joined = replace(wheel, blade_stiffness=wheel.stiffness)

@@ -60,7 +60,7 @@ def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(
         mode_pictures,
         "render_animation",
-        lambda motion, path, records: path.write_text(str(records)),
+        lambda motion, path, records, **view: path.write_text(str(records)),
     )
     folder = tmp_path / "pictures"
     chosen = ("--shapes", "1F:0,1F:1,casing:rigid", "--animate", "1F:1")

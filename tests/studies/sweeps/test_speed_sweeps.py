@@ -15,7 +15,11 @@ from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
 TURNING = {"rotation.effects": "full", "excitation.ramp": 0.0, "casing.clearance": 0.02}
-FREE = {"march.speed": 1.0, "march.drive": {"inertia": 0.1}}
+FREE = {
+    "march.speed": 1.0,
+    "march.drive": {"inertia": 0.1},
+    "excitation.clearance_speed": 3.0,  # at the start the tips are inside the wall
+}
 RISING = {"march.run_up": {"from": 0.9, "to": 1.05, "end": 6e-3}, "march.speed": None}
 
 
