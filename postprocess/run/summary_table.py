@@ -48,10 +48,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
         f" friction {_text(work['friction'], 'J')},{springs} damping"
         f" {_text(work['damping'], 'J')}",
-        "work of the drive": f"{_text(work['drive'], 'J')}, of it friction heat"
-        f" {_text(work['heat'], 'J')}",
-        "drive over the last third": f"{_text(summary.drive_power, 'W')},"
-        f" {_text(summary.drive_torque, 'N m')}",
+        **_drive(summary),
         "contact force, largest": _force(summary),
         **{
             f"stress of {body.replace('_', ' ')}, largest": _stress(peak, summary.yield_strength)
@@ -86,6 +83,17 @@ def _shaft(summary: Summary) -> dict[str, str]:
         f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating', np.inf)}",
         **_crossings(summary.critical_crossings),
     }
+
+
+def _drive(summary: Summary) -> dict[str, str]:
+    work, power, rows = summary.work, summary.drive_power, {}
+    if work["drive"] is not None:
+        heat = _text(work["heat"], "J")
+        rows["work of the drive"] = f"{_text(work['drive'], 'J')}, of it friction heat {heat}"
+    if power is not None:
+        torque = "" if summary.drive_torque is None else f", {_text(summary.drive_torque, 'N m')}"
+        rows["drive over the last third"] = _text(power, "W") + torque
+    return rows
 
 
 def _bearings(summary: Summary) -> dict[str, str]:
@@ -219,8 +227,9 @@ def _stress(peak: StressPeak, strength: float | None) -> str:
     beyond = strength is not None and abs(peak["stress"]) > strength
     measure = "linear" if peak["measure"] == "beam theory" else f"{peak['measure']}, linear"
     rotation = "with" if peak["centrifugal"] else "without"
+    sense = " compression" if peak["stress"] < 0.0 else ""
     return (
-        f"{_text(peak['stress'], 'Pa')}, {measure}, {rotation} centrifugal stress ("
+        f"{_text(abs(peak['stress']), 'Pa')}{sense}, {measure}, {rotation} centrifugal stress ("
         f"{peak['member']}, r = {peak['radius']:.3g} m, {_text(peak['time'], 's')})"
         + (f"; beyond the yield strength, {_text(strength, 'Pa')}" if beyond else "")
     )
