@@ -27,6 +27,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.models.case.casing import Casing
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.blades import line_blades, with_recess
 from bladewhirl.postprocess.fields.drawback import drawn_back
@@ -84,7 +85,15 @@ class EnlargedWall:
         else:
             self.ring_displacement = np.zeros((len(records), per_element, 2))
             self.wall_thickness = np.full(per_element, RIGID * self.tip_radius)
-        self._change = kinematics.clearance_change(dataset, records, self.angle)
+        self._closure = kinematics.closure_change(dataset, records, self.angle)
+        coating = kinematics.table_of_result(dataset, "casing", Casing).coating
+        if "coating_strain" not in dataset:
+            coating = None
+        self.coating = coating.thickness if coating else 0.0  #: thickness of the coating [m]
+        #: removed depth of the coating (record, track, station) [m]; without it there is no track
+        self.wear = np.zeros((len(records), 0, len(self.angle)))
+        if coating is not None:
+            self.wear = self.coating * kinematics.track_strains(dataset, records, self.angle)
 
     def _enlarge(self, size: float, radius: float, rotor_displacement: float) -> None:
         """Choose the factor for a stage or blade of a size [m] from the largest displacement of the
@@ -105,12 +114,18 @@ class EnlargedWall:
         outward = (self.ring_displacement * directions(self.angle)).sum(axis=-1)
         return self.factor * max(0.0, float(outward.max()))
 
-    def wall(self, index: int) -> Array:
-        """Return inner and outer surface (station, side, 2) [m] of the drawn casing."""
+    def inner(self, index: int, removed: Array | float) -> Array:
+        """Return the inner surface (station, 2) [m] of the drawn casing where a depth of its
+        coating is removed (station,) [m]."""
         ring = self.ring_displacement[index]
-        radius = self.inner_radius + self.factor * self._change[index]
+        radius = self.inner_radius + self.factor * (self._closure[index] + removed)
         rest = radius[:, None] * directions(self.angle)
-        inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
+        return magnify(rest, ring, ring.mean(axis=0), self.factor)
+
+    def wall(self, index: int) -> Array:
+        """Return inner and outer surface (station, side, 2) [m] of the drawn casing, with the
+        largest depth that is removed in any track."""
+        inner = self.inner(index, self.wear[index].max(axis=0, initial=0.0))
         tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
         outward = -rotate(unit(tangent), np.pi / 2)
         return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)

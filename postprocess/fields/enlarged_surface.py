@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.models.stage.coating import axial_tracks
 from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.enlarged import EnlargedWall, magnify
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
@@ -15,6 +16,9 @@ from bladewhirl.postprocess.fields.nodes import (
     point_blades,
     point_vectors,
 )
+
+BEYOND = 0.15  #: part of the wall that is drawn beyond the contact nodes, by their axial distance
+NARROW = 0.01  #: smallest such part, relative to the tip radius
 
 
 class EnlargedSurface(EnlargedWall):
@@ -55,6 +59,14 @@ class EnlargedSurface(EnlargedWall):
         self._enlarge(self.size, float(self.wall_radius.max()), largest)
         shift = (self.factor - 1.0) * recess
         self.nodes = _moved_in(node, shift)  #: drawn contact nodes at rest (contact_node, 3) [m]
+        axial = dataset["axial_position"].values
+        margin = BEYOND * np.ptp(axial) + NARROW * self.tip_radius
+        self.edges = float(axial.min() - margin), float(axial.max() + margin)
+        """Axial positions of the edges of the drawn wall [m]."""
+        if "casing_width" in dataset:
+            half = 0.5 * float(dataset["casing_width"].values.max())
+            middle = 0.5 * float(axial.min() + axial.max())
+            self.edges = middle - half, middle + half
         radius, whole = np.hypot(rest[:, 0], rest[:, 1]), blade_means(dataset, shift)[self.blade]
         share = (radius - radius.min()) / (radius.max() - radius.min())
         self.rest = _moved_in(rest, share * whole)  #: drawn points at rest (point, 3) [m]
@@ -75,6 +87,20 @@ class EnlargedSurface(EnlargedWall):
     def contact_nodes(self, index: int) -> Array:
         """Return the drawn contact nodes (contact_node, 3) [m] at the index-th record."""
         return self._magnified(self.nodes, self._node_motion[index], index)
+
+    def strips(self) -> list[tuple[int, float, float]]:
+        """Return the strips of the drawn coating: the number of the track, -1 beside the tracks,
+        and the axial positions of both edges [m]."""
+        first, last = self.edges
+        axial, _ = axial_tracks(
+            self._dataset["axial_position"].values, self._dataset["contact_radius"].values
+        )
+        ends = np.array([first, last])
+        if len(axial) > 1:
+            ends = np.concatenate([axial[:1], 0.5 * (axial[1:] + axial[:-1]), axial[-1:]])
+        strips = list(zip(range(len(axial)), ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+        beside = [(-1, first, float(ends[0])), (-1, float(ends[-1]), last)]
+        return [*strips, *(each for each in beside if each[1] < each[2])]
 
     def wall_edge(self, wall: Array, axial: float | Array) -> Array:
         """Return a line on the inner surface of the wall (station, 3) [m] at axial positions. The

@@ -268,27 +268,31 @@ def table_of_result(dataset: xr.Dataset, name: str, kind: type[TableT]) -> Table
     return table_of(text, name, kind)
 
 
-def clearance_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
-    """Return the change of the clearance since the start at static angles [rad], (record, point)
-    [m]: the removed depth of `casing.coating` minus `casing.closure`."""
-    time, change = dataset["time"].values[records], np.zeros((len(records), len(angle)))
-    casing = table_of_result(dataset, "casing", Casing)
-    if casing.closure is not None:
-        change -= casing.closure.value(time)[:, None] * casing.closure.around.value(angle)
-    if casing.coating is not None:
-        change += casing.coating.thickness * coating_strain_at(dataset, records, angle)
-    return change
+def closure_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
+    """Return the change of the clearance since the start by `casing.closure` at static angles
+    [rad], (record, point) [m]."""
+    closure = table_of_result(dataset, "casing", Casing).closure
+    if closure is None:
+        return np.zeros((len(records), len(angle)))
+    time = dataset["time"].values[records]
+    return np.asarray(-closure.value(time)[:, None] * closure.around.value(angle))
 
 
 def coating_strain_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
     """Return the plastic strain of the coating at static angles [rad] and at records, (record,
-    point), the largest of all tracks. The strain at a record is that of the last profile stored
-    before this record."""
+    point), the largest of all tracks."""
+    return np.asarray(track_strains(dataset, records, angle).max(axis=1))
+
+
+def track_strains(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
+    """Return the plastic strain of each track of the coating at static angles [rad] and at records,
+    (record, track, point). The strain at a record is that of the last profile stored before this
+    record."""
     time, stored = dataset["time"].values[records], dataset["wear_time"].values
     profile = np.maximum(np.searchsorted(stored, time, side="right") - 1, 0)
     rods = dataset.sizes["rod"]
     rod = np.floor(np.mod(angle, 2 * np.pi) * rods / (2 * np.pi)).astype(np.int64) % rods
-    return np.asarray(dataset["coating_strain"].values.max(axis=1)[profile][:, rod])
+    return np.asarray(dataset["coating_strain"].values[profile][..., rod])
 
 
 def record_lengths(dataset: xr.Dataset) -> Array:

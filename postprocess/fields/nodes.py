@@ -1,4 +1,4 @@
-"""Motion of the contact nodes and the points of a superelement, and of the wall around it."""
+"""Motion of the contact nodes and the points of a superelement."""
 
 from os import PathLike
 
@@ -115,40 +115,15 @@ def point_blades(dataset: xr.Dataset) -> IntArray:
     return np.asarray(dataset["blade"].values[nearest])
 
 
-def is_flexible(dataset: xr.Dataset) -> bool:
-    """Return true if the casing is flexible, false for a rigid wall."""
-    return "casing_shape" in dataset
-
-
 def ring_displacement(dataset: xr.Dataset, records: IntArray) -> FloatArray:
     """Return radial and tangential displacements of the casing nodes [m], (records, nodes, 2)."""
     moved = history(dataset, "casing_displacement", records)
     return combine(moved, dataset["casing_shape"].values[:, ::2])
 
 
-def ring_mesh(dataset: xr.Dataset, record: int, turn: float) -> meshio.Mesh:
-    """Return the inner face of the casing as quadrilaterals at undeformed positions, with the
-    displacement at a record, in axes in which the casing is turned by an angle [rad]."""
-    angle, radius = dataset["casing_angle"].values, float(dataset.attrs["casing_radius"])
-    axial, half = dataset["axial_position"].values, 0.5 * dataset["casing_width"].values
-    middle, nodes = 0.5 * (axial.min() + axial.max()), len(angle)
-    polar = np.pad(ring_displacement(dataset, np.array([record]))[0], ((0, 0), (0, 1)))
-    moved = rotate(rotate(polar, angle), turn)
-    sides = [
-        np.column_stack([radius * directions(angle), middle + sign * half]) for sign in (-1.0, 1.0)
-    ]
-    first = np.arange(nodes)
-    second = (first + 1) % nodes
-    return meshio.Mesh(
-        rotate(np.vstack(sides), turn),
-        [("quad", np.column_stack([first, second, second + nodes, first + nodes]))],
-        {"displacement": np.vstack([moved, moved]), "radial_displacement": np.tile(polar[:, 0], 2)},
-    )
-
-
 def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, meshio.Mesh]:
-    """Return the meshes of blades, contact nodes and a flexible casing at a record; points are at
-    undeformed positions, and displacements are arrays."""
+    """Return the meshes of blades and contact nodes at a record; points are at undeformed
+    positions, and displacements are arrays."""
     speed, ahead = rotation.speeds(dataset)[record], rotation.angles(dataset)[record]
     turn, spin = (0.0, 0.0) if rotating else (ahead, speed)
     coordinates, rates = (
@@ -162,8 +137,7 @@ def frame_meshes(dataset: xr.Dataset, record: int, rotating: bool) -> dict[str, 
         copied_cells(dataset),
         of_blades(dataset, dataset["gap"][[record]].values, np.minimum),
     )
-    meshes = {"casing": ring_mesh(dataset, record, turn - ahead)} if is_flexible(dataset) else {}
-    return meshes | {
+    return {
         "blades": meshio.Mesh(
             rotate(placed, turn),
             [("triangle" if cells.shape[1] == 3 else "vertex", cells)],

@@ -29,6 +29,7 @@ from bladewhirl.postprocess.fields.kinematics import (
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.node_parts import NodeParts
 from bladewhirl.postprocess.paraview.parts import StageParts
+from bladewhirl.postprocess.pictures.bodies import TOWARDS
 
 logger = logging.getLogger(__name__)
 
@@ -79,8 +80,10 @@ def export_vtk(
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
     For a superelement with points, the part `blades` has the points and triangles of its file,
-    `contact` the contact nodes, `casing` the inner face of a flexible casing; they have
-    `displacement` and `warp`, blades and casing also `radial_displacement`, blades `velocity` and,
+    `contact` the contact nodes, `casing` the wall as a solid ring, rigid or flexible, and `coating`
+    its coating in strips, one for each axial track; they have `displacement` and `warp`, all but
+    contact nodes also `radial_displacement`, the coating `wear` and `remaining_thickness` [m] and
+    the number `track` (-1 beside the tracks), blades `velocity` and,
     if their file gives the recovery of stress, `von_mises_stress` [Pa], contact nodes
     `contact_force`; blades and contact nodes have `gap` and the number `blade`, on a wheel that of
     the nearest contact node.
@@ -208,6 +211,7 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts | NodeParts
         "largest_displacement": parts.largest_displacement,
         "largest_force": float(force.max()),
         "size": parts.size,
+        "towards": TOWARDS["axial" if isinstance(parts, StageParts) else "oblique"],
         "parts": parts.names,
     }
 

@@ -28,8 +28,6 @@ ABOVE = 0.1  #: distance of the middle of a picture from that of a single blade,
 COATING = "#c8a165"  #: colour of a coating
 ARC = 0.06  #: angle over which the wall is drawn on each side of a single blade [rad]
 ARC_STATIONS, WALL_STATIONS = 41, 241
-BEYOND = 0.15  #: part of the wall that is drawn beyond the contact nodes, by their axial distance
-NARROW = 0.01  #: smallest such part, relative to the tip radius
 
 
 class Shape(NamedTuple):
@@ -138,12 +136,7 @@ class Triangles:
         stage = EnlargedSurface(dataset, records, factor=factor, per_element=per_element)
         self.stage, self.triangles = stage, copied_cells(dataset)
         self.largest_bend = stage.largest_bend
-        axial, angle = dataset["axial_position"].values, dataset["tip_angle"].values
-        margin = BEYOND * np.ptp(axial) + NARROW * stage.tip_radius
-        self._edges = axial.min() - margin, axial.max() + margin
-        if "casing_width" in dataset:
-            middle, half = axial.min() + 0.5 * np.ptp(axial), 0.5 * dataset["casing_width"].values
-            self._edges = middle - float(half.max()), middle + float(half.max())
+        angle = dataset["tip_angle"].values
         target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
         self._mark = int(np.argmin(np.linalg.norm(stage.rest - target, axis=1)))
         towards, self._focus = np.array(TOWARDS[view]), np.zeros(3)
@@ -160,12 +153,12 @@ class Triangles:
             # From the side, the wall in front of the tip is left out.
             start = angle.max() if view == "side" else angle.min() - ARC
             self._arc = np.linspace(start, angle.max() + ARC, ARC_STATIONS)
-        self._coated = float(dataset.attrs.get("coating_thickness", 0.0))
+        self._strips = stage.strips() if stage.coating else []
         self._hub = hub_of(dataset, stage.rest, 0.5 * stage.tip_radius) if around else None
         wall = Solid(triangles=tube_triangles(len(self._arc)))
         self.solids = (
             wall,
-            *([Solid(triangles=wall.triangles, colour=COATING)] if self._coated else []),
+            *(Solid(triangles=wall.triangles, colour=COATING) for _ in self._strips),
             *([] if self._hub is None else [HUB]),
         )
         self.walls = len(self.solids) - (self._hub is not None)
@@ -195,32 +188,38 @@ class Triangles:
 
         Returns:
             edges of its inner face (station, edge, 3) [m]; numbers of its stations; the wall, and
-            its coating if there is one.
+            the strips of its coating if there is one, whose stations are those of one track after
+            another.
         """
         stage, at = self.stage, self._arc - casing
         wall = stage.wall(index)[:, 0]
         number = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
-        around = np.arctan2(wall[:, 1], wall[:, 0])
-        inner = np.interp(at, around, np.hypot(*wall.T), period=2 * np.pi)
-        metal = inner
-        if self._coated:  # the layer has its thickness at rest, enlarged as the clearance
-            metal = stage.inner_radius[number] + stage.factor * self._coated
+
+        def radius(face: Array) -> Array:
+            around = np.arctan2(face[:, 1], face[:, 0])
+            return np.interp(at, around, np.hypot(*face.T), period=2 * np.pi)
+
+        inner, metal = radius(wall), radius(stage.inner(index, stage.coating))
         none = np.full_like(number, -1)  # a coating has values on its inner face only
-        layers = [(metal, metal + stage.wall_thickness[number], np.repeat(number, 4))]
-        if self._coated:
-            layers.append((inner, metal, np.column_stack([number, number, none, none]).ravel()))
+        outer = metal + stage.wall_thickness[number]
+        layers = [(metal, outer, np.repeat(number, 4), *stage.edges)]
+        for track, first, last in self._strips:
+            worn = stage.wear[index, track] if track >= 0 else 0.0
+            values = number + track * len(wall) if track >= 0 else none
+            values = np.column_stack([values, values, none, none]).ravel()
+            layers.append((radius(stage.inner(index, worn)), metal, values, first, last))
 
         def line(radius: Array, axial: float) -> Array:
             return self._placed(stage.wall_edge(radius[:, None] * directions(at), axial), casing)
 
-        first, last = self._edges
         solids = tuple(
             Placed(
                 tube(line(low, first), line(low, last), line(high, last), line(high, first)),
                 stations,
             )
-            for low, high, stations in layers
+            for low, high, stations, first, last in layers
         )
+        first, last = stage.edges
         return np.stack([line(inner, first), line(inner, last)], axis=1), number, solids
 
     def seen(self, vectors: Array) -> Array:

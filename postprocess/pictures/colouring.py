@@ -225,7 +225,11 @@ def _casing(
     if field == "wear":
         thickness = coating_of(dataset).thickness
         angle = kinematics.wall_angles(dataset, stations.per_element)
-        return _on_both_sides(thickness * kinematics.coating_strain_at(dataset, records, angle))
+        if "rotor_line" in dataset:
+            depth = kinematics.coating_strain_at(dataset, records, angle)
+        else:  # stations of one track after another
+            depth = kinematics.track_strains(dataset, records, angle).reshape(len(records), -1)
+        return _on_both_sides(thickness * depth)
     wall = (len(records), stations.per_element * dataset.sizes.get("casing_node", 1), 2)
     if field == "gap" or "casing_shape" not in dataset:
         return np.full(wall, np.nan)

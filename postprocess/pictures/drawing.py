@@ -201,7 +201,9 @@ class Drawing:
             solids=tuple(
                 Surface(
                     points=points,
-                    values=np.where(at < 0, np.nan, colours.casing[index][at, 0]),
+                    values=np.where(
+                        at < 0, np.nan, colours.casing[index][at % len(colours.casing[index]), 0]
+                    ),
                 )
                 for points, at in shape.solids
             ),

@@ -16,8 +16,9 @@ import bladewhirl as bw
 from bladewhirl.meshes.plane import unit
 from bladewhirl.postprocess.fields.kinematics import ViewError, contact_forces
 from bladewhirl.postprocess.fields.nodes import frame_meshes, point_blades
+from bladewhirl.postprocess.paraview.node_parts import NodeParts
 from bladewhirl.postprocess.pictures.appearance import time_text
-from bladewhirl.postprocess.pictures.bodies import COATING, TOWARDS, WALL_STATIONS
+from bladewhirl.postprocess.pictures.bodies import TOWARDS, WALL_STATIONS
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import stage_view
 from bladewhirl.postprocess.pictures.render import strongest_contact
@@ -164,15 +165,82 @@ def test_times_have_the_decimals_of_the_records(step: float, text: str) -> None:
     assert time_text(0.72e-3 if step < 1e-4 else 0.7e-3, step) == text
 
 
-def test_a_coating_is_as_thick_as_its_layer_less_its_wear(single: xr.Dataset) -> None:
-    drawing = Drawing(single.assign_attrs(coating_thickness=1e-3), RECORDS, exaggeration=FACTOR)
-    wall, coating = drawing.picture(2).solids
-    assert [solid.colour for solid in drawing.solids] == [None, COATING]
-    low, high = coating.points.reshape(-1, 4, 3)[:, 0], coating.points.reshape(-1, 4, 3)[:, 3]
-    closed = CLOSURE * (1.0 - np.exp(-float(single["time"][RECORDS[2]]) / 2e-3))
-    thickness = np.linalg.norm(high - low, axis=1)
-    assert thickness == pytest.approx(FACTOR * (1e-3 + closed), rel=2e-3)
-    assert wall.points.reshape(-1, 4, 3)[:, 0] == pytest.approx(high)
+THICKNESS, WORN = 1e-3, (0.3, 0.1)  # of a coating; shares that are removed from two tracks
+
+
+def worn(dataset: xr.Dataset) -> xr.Dataset:
+    """The result with a coating of two tracks, each of which is worn in one half."""
+    tables = f"""[casing.coating]
+thickness = {THICKNESS}
+young_modulus = 1e9
+yield_stress = 1e6
+[casing.closure]
+amount = {CLOSURE}
+time_constant = 2e-3
+"""
+    strain = np.outer(WORN, np.arange(100) < 50)
+    nodes = dataset.sizes["contact_node"]
+    return dataset.assign_attrs(case=tables).assign(
+        wear_time=("wear_time", [0.0]),
+        coating_strain=(("wear_time", "track", "rod"), strain[None]),
+        axial_position=("contact_node", np.resize([-0.01, 0.01], nodes)),
+    )
+
+
+def test_each_track_of_a_coating_is_as_thick_as_the_layer_less_its_own_wear(
+    single: xr.Dataset,
+) -> None:
+    result = worn(single)
+    drawing = Drawing(result, RECORDS, exaggeration=FACTOR, colour="wear")
+    wall, *strips = drawing.picture(2).solids
+    assert [solid.colour for solid in drawing.solids[1:]] == [None] * 4  # two beside the tracks
+    for strip, share in zip(strips, (*WORN, 0.0, 0.0), strict=True):
+        corner = strip.points.reshape(-1, 4, 3)
+        thickness = np.linalg.norm(corner[:, 3] - corner[:, 0], axis=1)
+        at = np.unique(np.round(thickness / (FACTOR * THICKNESS), 2))
+        assert set(at) <= {1.0, 1.0 - share}
+        shown = np.unique(strip.values[np.isfinite(strip.values)])
+        assert set(np.round(shown / THICKNESS, 6)) <= {0.0, share}
+        assert np.isfinite(strip.values).any() == (share > 0.0)
+    assert wall.points.reshape(-1, 4, 3)[:, 0, :2] == pytest.approx(
+        strips[2].points.reshape(-1, 4, 3)[:, 3, :2], abs=1e-9
+    )
+
+
+def test_the_series_has_the_wall_as_a_solid_and_the_wear_of_each_track(
+    single: xr.Dataset,
+) -> None:
+    """Points at rest have their true size; tips touch the drawn wall where they touch the wall."""
+    (grids,) = NodeParts(
+        worn(single), RECORDS[2:], surface=False, rotating=False, exaggeration=FACTOR
+    ).grids()
+    casing, coating = grids["casing"], grids["coating"]
+    corner = np.hypot(*casing.points[:, :2].T).reshape(-1, 4)
+    clearance = corner[:, 0] - THICKNESS - single["contact_radius"].values.max()
+    assert clearance.max() == pytest.approx(CLEARANCE + LOBE, rel=1e-3)
+    assert (corner[:, 2] > corner[:, 1]).all()
+    track, cells = coating.cell_data["track"][0], coating.cells[0].data
+    for number, share in enumerate(WORN):
+        wear = coating.point_data["wear"][cells[track == number]]
+        assert set(np.round(np.unique(wear) / THICKNESS, 6)) == {0.0, share}
+    assert not coating.point_data["wear"][cells[track == -1]].any()
+    whole = coating.point_data["wear"] + coating.point_data["remaining_thickness"]
+    assert whole == pytest.approx(THICKNESS)
+    plain = NodeParts(single, RECORDS[2:], surface=False, rotating=True, exaggeration=FACTOR)
+    assert "coating" not in plain.grid_names
+    (grids,) = plain.grids()
+    nodes, wall = (
+        (mesh.points + mesh.point_data["warp"]).reshape(-1, corners, 3)[:, 0, :2]
+        for mesh, corners in ((grids["contact"], 1), (grids["casing"], 4))
+    )
+    angle, radius = np.arctan2(wall[:, 1], wall[:, 0]), np.hypot(*wall.T)
+    drawn = np.interp(np.arctan2(nodes[:, 1], nodes[:, 0]), angle, radius, period=2 * np.pi)
+    moved = single["contact_displacement"].values[RECORDS[2], :, 0]
+    time = float(single["time"][RECORDS[2]])
+    ahead = float(single.attrs["speed"]) * time + np.arctan2(nodes[:, 1], nodes[:, 0])
+    gap = CLEARANCE + LOBE * np.cos(2 * (ahead - PHASE)) - moved
+    gap -= CLOSURE * (1.0 - np.exp(-time / 2e-3))
+    assert (drawn - np.hypot(*nodes.T)) / FACTOR == pytest.approx(gap, abs=3e-7)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from periodic_cases import case
 from places import ROOT
 
 import bladewhirl as bw
-from bladewhirl.postprocess.fields.kinematics import clearance_change
+from bladewhirl.postprocess.fields.kinematics import closure_change
 
 SMALL = {"march.speed": "7500 rpm"}
 
@@ -30,7 +30,7 @@ def test_a_record_has_the_motion(changes: dict[str, Any], tmp_path: Path) -> Non
         blade = result["contact_displacement"].values[:, : one.sizes["node"]]
         share = np.mod(result["time"].values / float(one["period"]), 1.0)
         impulse = result["contact_impulse"].values[:, : one.sizes["node"]].sum()
-        wall = clearance_change(result, np.array([0]), np.zeros(1))
+        wall = closure_change(result, np.array([0]), np.zeros(1))
     assert wall == pytest.approx(-1e-4)  # pictures show the casing at the end of its closure
     assert impulse == pytest.approx(float(one["impulse_per_revolution"]), rel=1e-2)
     expected = one["contact_displacement"].values
