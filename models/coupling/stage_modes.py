@@ -16,6 +16,7 @@ from bladewhirl.models.elements.cyclic import wave_parts
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import ModeTable
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
@@ -58,7 +59,7 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
         raise UserError('expected casing.type = "ring": springs couple waves of both bodies')
     coupled = coupled_entries(
         tip_motion(modal.disk, disk, disk.family, disk.fields),
-        wall_motion(modal.casing, wall, wall.family, wall.fields),
+        wall_motion(modal.casing, wall),
         damping_ratio=damping_ratio,
     )
     return StageModes(modes=coupled.modes, number=coupled.number, modal=modal)
@@ -208,20 +209,18 @@ def tip_motion(
     )
 
 
-def wall_motion(
-    casing: CasingModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
-) -> RadialModes:
+def wall_motion(casing: CasingModel, modes: LabelledModes) -> RadialModes:
     """Return the radial motion of the wall in modes of a casing; see `tip_motion`."""
 
     def motion(chosen: IntArray) -> tuple[FloatArray, FloatArray]:
-        nodal = casing.nodal(fields(chosen))
+        nodal = casing.nodal(modes.fields(chosen))
         return nodal[:, W], nodal[:, U]
 
     return RadialModes(
         frequency=modes.frequency,
         nodal_diameter=modes.nodal_diameter,
         column=modes.column,
-        family=family,
+        family=modes.family,
         angles=casing.mesh.angles,
         motion=motion,
     )

@@ -51,9 +51,11 @@ class Structure(Rotating[sp.csr_array]):
 
         Args:
             omega: speed of rotation [rad/s], counter-clockwise.
-            effects: rotation effects to include; for "none", the structure itself is returned.
+            effects: rotation effects to include; for "none", the structure at rest is returned.
         """
-        return self if effects == "none" else replace(super().at(omega, effects), at_rest=self)
+        if effects == "none":
+            return self.under(effects)
+        return replace(super().at(omega, effects), at_rest=self)
 
     @cached_property
     def growth(self) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import ALONG, OUTWARD, CasingModel
+from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.at_speed import tip_recess
@@ -74,13 +75,12 @@ def stage_arrays(
     )
 
 
-def casing_arrays(casing: CasingModel, modes: Modes, family: tuple[str, ...]) -> dict[str, Any]:
+def casing_arrays(casing: CasingModel, modes: LabelledModes) -> dict[str, Any]:
     """Return the arrays of a flexible casing in a result, by name.
 
     Args:
         casing: the casing.
         modes: its modes.
-        family: family of each mode.
     """
     supports = casing.supports
     stiffness = np.array([np.diag(each.stiffness) for each in supports]).reshape(-1, 3)
@@ -88,11 +88,11 @@ def casing_arrays(casing: CasingModel, modes: Modes, family: tuple[str, ...]) ->
     return {
         "casing_frequency": modes.frequency,
         "casing_nodal_diameter": modes.nodal_diameter,
-        "casing_family": family,
+        "casing_family": modes.family,
         "casing_angle": casing.mesh.angles,
         **{f"casing_{name}": getattr(casing.properties, name) for name in DRAWN[:3]},
         "casing_curvature": casing.curvature,
-        "casing_shape": casing.nodal(modes.shapes),
+        "casing_shape": casing.nodal(modes.fields(np.arange(modes.count))),
         "casing_foundation": casing.foundation,
         "support_kind": np.array([each.kind for each in supports], dtype=np.str_),
         "support_angle": np.array([each.angle for each in supports], dtype=np.float64),

@@ -271,11 +271,7 @@ class ModalStage(ModalModel):
             self.turning,
             modes,
             tuple(family[i] for i in disk_modes),
-            **casing_arrays(
-                self.casing,
-                self.casing_modes.expand(casing_modes),
-                tuple(self.casing_modes.family[i] for i in casing_modes),
-            ),
+            **casing_arrays(self.casing, self.casing_modes.take(casing_modes)),
             wall_angle=self.casing.mesh.angles,
             clearance=case_clearance(self.case)[:, 0],
         )

@@ -27,7 +27,8 @@ from bladewhirl.models.modal.modes import (
     align_phase,
     constrained_eigh,
     families,
-    structure_modes,
+    is_first_of_pair,
+    plain_modes,
 )
 from bladewhirl.models.modal.whirl_modes import WhirlModes
 
@@ -46,8 +47,18 @@ class LabelledModes(ListedModes):
 
     def fields(self, chosen: IntArray) -> FloatArray:
         """Return the mass-normalised fields of the chosen modes on the free DoF, (size, chosen)."""
-        fields = [self._field(int(mode)) for mode in chosen]
-        return np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0))
+        found, columns = np.zeros((self.size, len(chosen))), self.column[chosen]
+        for k in np.unique(self.nodal_diameter[chosen]).tolist():
+            here = np.flatnonzero(self.nodal_diameter[chosen] == k)
+            vectors = np.stack([self.amplitudes[i] for i in chosen[here]], axis=-1)
+            if self.layout is None or not self.is_cyclic:
+                found[:, here] = vectors.real
+                continue
+            waves, both = self.layout.real_shapes(k, vectors.astype(np.complex128))
+            each = len(both) // len(here)  # 2 for a cosine and a sine
+            sine = (each == 2) & (columns[here] % 2 == 0)
+            found[:, here] = waves[:, each * np.arange(len(here)) + sine]
+        return found
 
     def expand(self, chosen: IntArray) -> Modes:
         """Return the chosen modes with their fields."""
@@ -62,15 +73,6 @@ class LabelledModes(ListedModes):
     def one_a_pair(self) -> IntArray:
         """Return the numbers of all modes except the sine modes of pairs, ascending."""
         return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
-
-    def _field(self, mode: int) -> FloatArray:
-        column, amplitude = int(self.column[mode]), self.amplitudes[mode]
-        if column < 0 or self.layout is None:
-            return np.asarray(amplitude.real)
-        fields, columns = self.layout.real_shapes(
-            int(self.nodal_diameter[mode]), amplitude[:, None].astype(np.complex128)
-        )
-        return np.asarray(fields[:, list(columns).index(column)])
 
 
 def no_modes() -> LabelledModes:
@@ -104,7 +106,7 @@ def labelled_modes(
     if structure.is_cyclic:
         labels = _tuned(structure, reference, body)
         return labels if count is None else labels.take(slice(count))
-    modes = structure_modes(structure, reference, count)
+    modes = plain_modes(structure, count)
     family = mode_families(structure, modes, reference, body)
     return LabelledModes(
         family=family,
@@ -114,6 +116,24 @@ def labelled_modes(
         size=structure.size,
         **modes.numbers(),
     )
+
+
+def structure_modes(
+    structure: Structure, reference: tuple[int, int], count: int | None = None
+) -> Modes:
+    """Return the lowest modes of a structure, by nodal diameter if the structure is cyclic.
+
+    Args:
+        structure: matrices and sectors.
+        reference: see `labelled_modes`.
+        count: number of modes, all if None. On a cyclic structure, `count` is increased by one if
+            the last mode is the first of a pair.
+    """
+    if not structure.is_cyclic:
+        return plain_modes(structure, count)
+    found = _by_diameter(structure, reference)
+    count = found.count if count is None else min(count, found.count)
+    return found.expand(np.arange(count + is_first_of_pair(found.column, count - 1)))
 
 
 def mode_families(
@@ -223,8 +243,9 @@ def modes_of_blocks(
     )
 
 
-def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
-    """Return all modes of a cyclic structure, or of the tuned twin of another structure."""
+def _by_diameter(structure: Structure, reference: tuple[int, int]) -> LabelledModes:
+    """Return all modes of a cyclic structure, or of the tuned twin of another structure, without
+    families."""
     layout, omega, blocks = structure.layout, structure.speed or 0.0, []
     assert layout is not None  # both callers check this
     for wave in structure.waves():
@@ -236,6 +257,12 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
     found = replace(modes_of_blocks(blocks, layout.sectors), layout=layout, size=structure.size)
     if structure.at_rest is None:  # negative squares are rounding errors
         found = replace(found, frequency=np.maximum(found.frequency, 0.0))
+    return found
+
+
+def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
+    """Return the modes of `_by_diameter` with their families."""
+    found = _by_diameter(structure, reference)
     family, at_rest = _names(structure, found, reference, body)
     return replace(found, family=family, at_rest=() if structure.at_rest is None else at_rest)
 

@@ -43,6 +43,11 @@ class ModeTable:
         """Number of modes."""
         return len(self.frequency)
 
+    @property
+    def is_cyclic(self) -> bool:
+        """True if the modes were computed by nodal diameter."""
+        return bool(np.all(self.column != NO_COLUMN))
+
     def numbers(self, chosen: IntArray | slice = slice(None)) -> dict[str, Any]:
         """Return the properties of the chosen modes, by name."""
         return {each.name: getattr(self, each.name)[chosen] for each in fields(ModeTable)}
@@ -87,51 +92,13 @@ class Modes(ModeTable):
     shapes: FloatArray  #: fields on the free DoF of the structure [kg^-1/2], (size, modes)
     sectors: int  #: number of sectors of the structure; 0 without sectors
 
-    @property
-    def is_cyclic(self) -> bool:
-        """True if the modes were computed by nodal diameter."""
-        return bool(np.all(self.column != NO_COLUMN))
-
     def take(self, chosen: IntArray | slice) -> "Modes":
         """Return the chosen modes."""
         return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
 
 
-def structure_modes(
-    structure: Structure, reference: tuple[int, int], count: int | None = None
-) -> Modes:
-    """Return the lowest modes of a structure, by nodal diameter if the structure is cyclic.
-
-    Args:
-        structure: matrices and sectors.
-        reference: positions, among the DoF of a sector, of the radial and the tangential
-            displacement that fix the phase of degenerate pairs.
-        count: number of modes, all if None. On a cyclic structure, `count` is increased by one if
-            the last mode is the first of a pair.
-    """
-    if structure.is_cyclic:
-        return _cyclic_modes(structure, reference, count)
-    return _plain_modes(structure, count)
-
-
-def _cyclic_modes(structure: Structure, reference: tuple[int, int], count: int | None) -> Modes:
-    layout = structure.layout
-    assert layout is not None  # is_cyclic
-    squares, shapes, columns = [], [], []
-    for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness):
-        constraints = layout.basis(k).conj().T @ structure.constraints
-        square, vectors = constrained_eigh(stiffness, mass, constraints, count)
-        vectors = align_phase(vectors, reference, pair=is_pair(k, layout.sectors))
-        shape, column = layout.real_shapes(k, vectors)
-        squares.append(np.repeat(square, 2 if is_pair(k, layout.sectors) else 1))
-        shapes.append(shape)
-        columns.append(column)
-    return collect_modes(
-        structure, np.concatenate(squares), np.hstack(shapes), np.concatenate(columns), count
-    )
-
-
-def _plain_modes(structure: Structure, count: int | None) -> Modes:
+def plain_modes(structure: Structure, count: int | None) -> Modes:
+    """Return the lowest modes of a structure without cyclic symmetry; all if `count` is None."""
     if structure.size > DENSE_LIMIT and count is not None and not structure.constraints.size:
         shift = -1e-6 * abs(structure.stiffness).max() / abs(structure.mass).max()
         square, shapes = spla.eigsh(

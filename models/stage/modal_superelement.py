@@ -14,11 +14,9 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
-from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.modal.labels import (
     LabelledModes,
-    labelled_modes,
     modes_of_blocks,
     named_at_speed,
     no_modes,
@@ -354,7 +352,7 @@ def modal_superelement(
         case=case,
         reference_frequency=stage.reference_frequency,
         casing=None if stage.ring is None else stage.ring.casing,
-        casing_modes=_of_casing(stage),
+        casing_modes=no_modes() if stage.ring is None else stage.ring.casing_modes,
         stage=stage,
         blocks=_acted_on(blocks, case.rotation.effects),
         clamped_blocks=None if clamped is None else _acted_on(clamped, case.rotation.effects),
@@ -382,13 +380,6 @@ def _acted_on(blocks: Blocks, effects: Effects) -> Blocks:
         return {k: block.under(effects) for k, block in blocks.items()}
     still: dict[str, Any] = {"stiffness_speed": None, "stiffness_speed4": None}
     return {k: replace(block, **still) for k, block in blocks.items()}
-
-
-def _of_casing(stage: SuperelementStage) -> LabelledModes:
-    """Return the modes of a flexible casing; none for a rigid wall."""
-    if stage.ring is not None:
-        return labelled_modes(stage.ring.casing.structure, (RADIAL, TANGENTIAL), "casing")
-    return no_modes()
 
 
 def _collected(blocks: Blocks, sectors: int, omega: float) -> LabelledModes:

@@ -1,6 +1,6 @@
 """The casing of a stage: a flexible ring in all its modes, or a rigid wall."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.build import case_casing, case_clearance
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.modal.describe import casing_arrays
-from bladewhirl.models.modal.labels import mode_families
-from bladewhirl.models.modal.modes import Modes, structure_modes
+from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, no_modes
 from bladewhirl.models.stage.contact_problem import ReducedCasing
 
 GRID = 4096
@@ -28,8 +27,7 @@ class Ring:
 
     case: Case
     casing: CasingModel  #: finite element model of the casing
-    casing_modes: Modes  #: all modes of the casing, which is not reduced
-    casing_family: tuple[str, ...]  #: family of each mode
+    casing_modes: LabelledModes  #: all modes of the casing, which is not reduced
     reduced_casing: ReducedCasing  #: the casing in all its modes
 
     @property
@@ -43,8 +41,7 @@ class Ring:
         wall = {"wall_angle": self.wall_angle, "clearance": self.reduced_casing.clearance[:, 0]}
         if not self.reduced_casing.is_flexible:
             return wall
-        family = tuple(self.casing_family[mode] for mode in modes)
-        return wall | casing_arrays(self.casing, self.casing_modes.take(modes), family)
+        return wall | casing_arrays(self.casing, self.casing_modes.take(modes))
 
 
 def rigid_wall(case: Case, radius: float) -> ReducedCasing:
@@ -61,12 +58,10 @@ def stage_casing(case: Case) -> Ring:
     if case.casing.type == "ring":
         return flexible_ring(case)
     casing = case_casing(case)
-    modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
     return Ring(
         case=case,
         casing=casing,
-        casing_modes=modes.take(np.zeros(0, dtype=np.int64)),
-        casing_family=(),
+        casing_modes=replace(no_modes(), size=casing.structure.size),
         reduced_casing=rigid_wall(case, casing.mesh.radius),
     )
 
@@ -74,19 +69,19 @@ def stage_casing(case: Case) -> Ring:
 def flexible_ring(case: Case) -> Ring:
     """Return the flexible casing of a case."""
     casing = case_casing(case)
-    modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
+    modes = labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing")
+    shapes = modes.fields(np.arange(modes.count))
     return Ring(
         case=case,
         casing=casing,
         casing_modes=modes,
-        casing_family=mode_families(casing.structure, modes, (RADIAL, TANGENTIAL), "casing"),
         reduced_casing=ReducedCasing(
             frequency=modes.frequency,
             damping_ratio=np.full(modes.count, case.damping.ratio),
-            nodal=casing.nodal(modes.shapes),
+            nodal=casing.nodal(shapes),
             clearance=case_clearance(case),
             radius=casing.mesh.radius,
             column=modes.column,
-            dampers=casing.dampers @ modes.shapes,
+            dampers=casing.dampers @ shapes,
         ),
     )

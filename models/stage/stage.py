@@ -195,7 +195,6 @@ def build_stage(case: Case) -> Stage:
         lowest_frequency(disk, np.abs(reduction.modes.frequency))  # check against rounding
         ring = stage_casing(case)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
-    modes = ring.casing_modes
     rotor = reduced_rotor(case, disk, reduction.modes, tip_recess(case, disk))
     if disk.rotates:
         _check_clearance(case, rotor.tip_recess)
@@ -215,7 +214,7 @@ def build_stage(case: Case) -> Stage:
         kept=kept_modes(
             case,
             tip_motion(disk, reduction.modes, disk_family, lambda i: reduction.modes.shapes[:, i]),
-            wall_motion(ring.casing, modes, ring.casing_family, lambda i: modes.shapes[:, i]),
+            wall_motion(ring.casing, ring.casing_modes),
         ),
     )
 

@@ -35,7 +35,7 @@ def coupling_springs(
     order = np.argsort(np.mod(angle, 2.0 * np.pi))
     angle, outward = np.mod(angle, 2.0 * np.pi)[order], outward[order]
     casing, modes = ring.casing, ring.casing_modes
-    wall = wall_motion(casing, modes, ring.casing_family, lambda chosen: modes.shapes[:, chosen])
+    wall = wall_motion(casing, modes)
     if not (wall.is_cyclic and evenly_spaced(angle)):
         expected = "0, or a casing with cyclic symmetry and blades at equal angles"
         raise CaseError([case_fault(case, "coupling.stiffness", expected)])

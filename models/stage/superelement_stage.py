@@ -357,7 +357,7 @@ class SuperelementStage:
             centre = {"centre_shape": centre_rows(self.reduced, turn)}
         ring, walls = self.ring, dict[str, Any]()
         if ring is not None:
-            walls = casing_arrays(ring.casing, ring.casing_modes, ring.casing_family)
+            walls = casing_arrays(ring.casing, ring.casing_modes)
         return StageArrays(
             rotor_frequency=(np.sqrt(self.factor)[:, None] * self.reduced.frequency).ravel(),
             blade=np.concatenate([self.blade + copy for copy in range(copies)]),

@@ -158,7 +158,6 @@ def stiffened(
     if not squares[0] > 0.0:
         raise IndefiniteError(RIGID_SECTOR)
     stress = reduced.stress
-    assert reduced.root is not None
     kept, rest = turn[:, :modes], reduced.contact @ turn[:, modes:]
     scale = 1.0 / np.sqrt(factor)
     softer = np.repeat(scale, len(rest) // len(factor))
@@ -169,7 +168,8 @@ def stiffened(
         moved = (sums @ reduced.points) @ (turn[:, modes:] / squares[modes:])
         return np.asarray(reduced.points_by_force(own) * softer + moved @ rest.T)
 
-    own = replace(reduced, root=root_of(reduced.root @ reduced.root + change)).projected(kept)
+    root = None if reduced.root is None else root_of(reduced.root @ reduced.root + change)
+    own = replace(reduced, root=root).projected(kept)
     return replace(
         reduced,
         **own | of_modes(squares[:modes]),

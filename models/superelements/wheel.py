@@ -1,8 +1,8 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -39,37 +39,23 @@ from bladewhirl.models.superelements.superelement import (
     IndefiniteError,
     Superelement,
     SuperelementError,
-    diagonal,
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReducedWave(Rotating[ComplexArray]):
-    """Lowest modes of one nodal diameter, in which mass and stiffness are diagonal. Rows belong to
-    the first sector; what the file does not give has no rows."""
+class ReducedWave(NamedTuple):
+    """Lowest modes of one nodal diameter at a speed."""
 
-    FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "root")
-    ROWS: ClassVar[tuple[str, ...]] = ("contact", *RECOVERED)
-
-    contact: ComplexArray  #: displacements of the contact nodes [kg^-1/2], (3c, modes)
-    points: ComplexArray  #: displacements of the points [kg^-1/2], (3p, modes)
-    strains: ComplexArray  #: strains of gauges [kg^-1/2/m], (gauges, modes)
-    stresses: ComplexArray  #: stresses at the points [Pa kg^-1/2/m], (6p, modes)
-    points_by_force: ComplexArray
-    """Displacements by contact forces without their part in the modes [m/N], (3p, 3c)."""
-    strains_by_force: ComplexArray  #: strains by the same [1/N], (gauges, 3c)
-    stresses_by_force: ComplexArray  #: stresses by the same [Pa/N], (6p, 3c)
+    squares: FloatArray  #: squared frequencies [rad2/s2], (modes,)
+    shapes: ComplexArray  #: the modes in the block that they come from, (m, modes)
+    block: NodalBlock  #: this block on the modes
+    by_force: Mapping[str, ComplexArray]
+    """What each of `RECOVERED` is by contact forces without their part in the modes, (rows, 3c)."""
     residual: ComplexArray  #: residual flexibility of the contact nodes [m/N], (3c, 3c)
     steady: FloatArray
     """Stress by the centrifugal forces at 1 rad/s [Pa s2], (6p,), see `ReducedStress`; empty if
     they are not known, and for nodal diameters other than 0."""
-    root: ComplexArray | None = None  #: see `ReducedSuperelement.root`
-    shapes: ComplexArray | None = None  #: the modes in the block that they come from
-
-    @property
-    def squares(self) -> FloatArray:
-        """Squared frequencies [rad2/s2], (modes,)."""
-        return diagonal(self.stiffness).real
+    root: ComplexArray | None
+    """See `ReducedSuperelement.root`; None if the stiffness does not depend on the speed."""
 
 
 class WheelOverSpeeds:
@@ -159,33 +145,35 @@ class WheelOverSpeeds:
 
     def _coupled(self, waves: Sequence[ReducedWave]) -> ComplexArray:
         assert self._products is not None
-        shapes = [wave.shapes for wave in waves if wave.shapes is not None]
-        return coupled_waves(self._products, shapes, self._sectors)
+        return coupled_waves(self._products, [wave.shapes for wave in waves], self._sectors)
 
 
 def _expanded(
     part: Superelement, sectors: int, waves: Sequence[ReducedWave]
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return the wheel and its reduction from the modes of each nodal diameter."""
-    rows, first = 3 * part.contacts, waves[0]
+    rows, first = 3 * part.contacts, waves[0].block
     spread = np.asarray(2.0 * np.pi / sectors * np.arange(sectors), dtype=np.float64)
-    coupled = first.given(set(ReducedWave.FORMS) - {"mass", "stiffness"})
-    matrices: dict[str, list[FloatArray]] = {name: [] for name in coupled}
-    loads: dict[str, list[FloatArray]] = {name: [] for name in first.given(first.LOADS)}
+    coupled = set(Rotating.FORMS) - {"mass", "stiffness"}
+    matrices: dict[str, list[FloatArray]] = {name: [] for name in first.given(coupled)}
+    loads: dict[str, list[FloatArray]] = {name: [] for name in first.given(Rotating.LOADS)}
+    roots = list[FloatArray]()
     rows_of: dict[str, list[FloatArray]] = {"contact": [], "strains": [], "stresses": []}
     squares = []
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
         for phases in _real_waves(k, spread):
             for name, parts in rows_of.items():
-                field = getattr(wave, name)
+                field = getattr(wave.block, name)
                 parts.append(np.vstack([(one * field).real for one in phases]))
             squares.append(wave.squares)
             for name, parts in loads.items():  # those of nodal diameter 0, on all sectors
-                parts.append(np.sqrt(sectors) * getattr(wave, name).real)
+                parts.append(np.sqrt(sectors) * getattr(wave.block, name).real)
         for name, blocks in matrices.items():
-            blocks.append(_on_waves(getattr(wave, name), pair=pair))
-    order = _order(waves, sectors)
+            blocks.append(_on_waves(getattr(wave.block, name), pair=pair))
+        if wave.root is not None:
+            roots.append(_on_waves(wave.root, pair=pair))
+    order, steady = _order(waves, sectors), waves[0].steady
     moved_by = {name: np.hstack(parts)[:, order] for name, parts in rows_of.items()}
     flexibility = _by_distance([wave.residual for wave in waves], sectors)
     compliance = np.block(
@@ -196,7 +184,7 @@ def _expanded(
         moved = []
         for k, wave in enumerate(waves):
             for phases in _real_waves(k, spread):
-                each = np.stack([(one * wave.points).real for one in phases])
+                each = np.stack([(one * wave.block.points).real for one in phases])
                 each = each.reshape(sectors, -1, 3, each.shape[-1])
                 turned = rotate(each, spread[:, None, None], axis=2)
                 moved.append(turned.reshape(-1, each.shape[-1]))
@@ -206,7 +194,7 @@ def _expanded(
         given = sums.toarray().reshape(sums.shape[0], sectors, -1, 3)
         used = given.any(axis=(0, 1, 3))
         own = rotate(given[:, :, used], -spread[:, None], axis=3).reshape(len(given), sectors, -1)
-        blocks = [wave.points_by_force.reshape(-1, 3, rows)[used] for wave in waves]
+        blocks = [wave.by_force["points"].reshape(-1, 3, rows)[used] for wave in waves]
         moved = np.zeros((len(given), sectors, rows))
         for n, block in enumerate(_by_distance(blocks, sectors)):
             moved += np.roll(own @ block.reshape(-1, rows), -n, axis=1)
@@ -217,6 +205,7 @@ def _expanded(
         **of_modes(values),
         **{name: la.block_diag(*blocks)[order][:, order] for name, blocks in matrices.items()},
         **{name: np.concatenate(parts)[order] for name, parts in loads.items()},
+        root=la.block_diag(*roots)[order][:, order] if roots else None,
         speed=first.speed,
         contact=moved_by["contact"],
         compliance=0.5 * (compliance + compliance.T),
@@ -224,12 +213,12 @@ def _expanded(
         of_points=points,
         points_by_force=points_by_force,
         strains=moved_by["strains"],
-        strains_by_force=_by_distance([wave.strains_by_force for wave in waves], sectors),
+        strains_by_force=_by_distance([wave.by_force["strains"] for wave in waves], sectors),
         stress=(
             ReducedStress(
                 modes=moved_by["stresses"],
-                forces=_by_distance([wave.stresses_by_force for wave in waves], sectors),
-                steady=np.tile(first.steady, sectors) if len(first.steady) else None,
+                forces=_by_distance([wave.by_force["stresses"] for wave in waves], sectors),
+                steady=np.tile(steady, sectors) if len(steady) else None,
             )
             if part.stress_recovery is not None
             else None
@@ -251,7 +240,7 @@ def _order(waves: Sequence[ReducedWave], sectors: int) -> IntArray:
     twice = (1 + (0 < 2 * k < sectors) for k in range(len(waves)))
     tiled = [np.tile(wave.squares, times) for wave, times in zip(waves, twice, strict=True)]
     squares = np.concatenate(tiled)
-    if waves[0].gyroscopic is not None:
+    if waves[0].block.gyroscopic is not None:
         return np.arange(len(squares))
     return np.argsort(np.sqrt(squares), kind="stable")
 
@@ -304,24 +293,28 @@ def _of_block(
         own, added = further(stiffness, np.eye(block.size), shapes, np.hstack(fields), limit)
         by_force = by_force - (added / own) @ (block.contact @ added).conj().T
         shapes, squares = np.hstack([shapes, added]), np.concatenate([squares, own])
-    forced = {f"{name}_by_force": getattr(block, name) @ by_force for name in RECOVERED}
+    forced = block.projected(by_force, RECOVERED)
     if static:
         among = la.qr((rest.conj().T @ block.blade_loads) / stiff[:, None], mode="economic")[0]
         own, turn = la.eigh((among.conj().T * stiff) @ among)
         among = among @ turn
         moved = touched @ among
         by_force = by_force - (rest @ among / own) @ moved.conj().T
-        forced["points_by_force"] = block.points @ by_force
+        forced["points"] = block.points @ by_force
         shapes, squares = np.hstack([shapes, rest @ among]), np.concatenate([squares, own])
     residual = block.contact @ by_force
     return ReducedWave(
-        **block.on_modes(squares, shapes) | {"speed": omega},
-        **block.projected(shapes, ReducedWave.ROWS),
-        **forced,
+        squares=squares,
+        shapes=shapes,
+        block=block.at(omega).on(shapes),
+        by_force=forced,
         residual=0.5 * (residual + residual.conj().T),
         steady=steady[:, 0].real if block.loads.any() else np.zeros(0),
-        root=shapes.conj().T @ root_of(block.stiffness) @ shapes,
-        shapes=shapes,
+        root=(
+            None
+            if block.stiffness_speed is None
+            else shapes.conj().T @ root_of(block.stiffness) @ shapes
+        ),
     )
 
 

@@ -11,7 +11,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
-from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.modal.modes import ModeTable
 from bladewhirl.models.stage.basis_error import basis_error
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.coating import wall_coating
@@ -158,7 +158,7 @@ def _lowest_of_casing(stage: Stage) -> list[Mode]:
 
 
 def _modes(
-    stage: Stage, modes: Modes, numbers: Iterable[int], frequencies: FloatArray
+    stage: Stage, modes: ModeTable, numbers: Iterable[int], frequencies: FloatArray
 ) -> list[Mode]:
     """Return modes by number, with their frequencies [rad/s]."""
     return [

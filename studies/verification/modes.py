@@ -13,7 +13,8 @@ from numpy.polynomial import Legendre, Polynomial
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import tip_in_sector
-from bladewhirl.models.modal.modes import families, structure_modes
+from bladewhirl.models.modal.labels import structure_modes
+from bladewhirl.models.modal.modes import families
 from bladewhirl.models.modal.reduction import craig_bampton
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.studies.verification import stages

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from bladewhirl.models.modal.modes import Modes, structure_modes
+from bladewhirl.models.modal.labels import structure_modes
+from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
 from bladewhirl.studies.verification import stages

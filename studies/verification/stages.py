@@ -14,7 +14,8 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bla
 from bladewhirl.models.elements.build import case_bladed_disk, tip_in_sector
 from bladewhirl.models.elements.casing import CasingModel, Support, assemble_casing
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.modal.modes import Modes, structure_modes
+from bladewhirl.models.modal.labels import structure_modes
+from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
 

@@ -10,7 +10,7 @@ from stages import CASING_REFERENCE, RADIUS, casing_modes, observed_order, ring,
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.elements.casing import ALONG, OUTWARD, ROTATION, spring, strut
-from bladewhirl.models.modal.modes import structure_modes
+from bladewhirl.models.modal.labels import structure_modes
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.runs.properties import stage_properties
 

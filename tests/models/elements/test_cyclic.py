@@ -21,7 +21,7 @@ from bladewhirl.models.elements.cyclic import (
     wave_shares,
 )
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import structure_modes
+from bladewhirl.models.modal.labels import structure_modes
 
 
 @cache

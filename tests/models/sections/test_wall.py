@@ -11,7 +11,7 @@ from bladewhirl.models.case.file import loads, read_case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.build import case_casing
 from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel
-from bladewhirl.models.modal.modes import structure_modes
+from bladewhirl.models.modal.labels import structure_modes
 from bladewhirl.models.sections.wall import Arc, Lobe, RingProfile, Wall
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.runs.properties import stage_properties

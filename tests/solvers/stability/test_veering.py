@@ -75,7 +75,8 @@ def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> N
     for kappa, row in zip(springs, 2.0 * np.pi * actual.values, strict=True):
         modes = stage(float(kappa)).free_modes
         first = modes.frequency[(modes.nodal_diameter == 1) & (modes.column == 1)]
-        np.testing.assert_allclose(row, first[:5], rtol=1e-7)
+        # Rounding errors of the highest squared frequency, 2e9 times the lowest, are 2e-7 of it.
+        np.testing.assert_allclose(row, first[:5], rtol=3e-7)
 
 
 def test_branches_rise_between_those_of_a_clamped_centre() -> None:

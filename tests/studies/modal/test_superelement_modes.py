@@ -102,6 +102,7 @@ def test_the_blades_of_a_wheel_are_known_only_by_their_number(tmp_path: Path) ->
         part,
         contact_position=part.contact_position[mixed],
         contact_dofs=part.contact_dofs[mixed],
+        strain_recovery=np.ones((1, part.size)),
     )
     bw.write_superelement(tmp_path / "wheel.npz", part)
     both = [bw.modes(each, count=12) for each in (case, different)]
