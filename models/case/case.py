@@ -103,6 +103,13 @@ class Case(Tables):
                 expected = "not allowed together with [sketch]; remove this key"
                 yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
+    @property
+    def wall_friction(self) -> float:
+        """Friction coefficient at the wall, which is that of the coating if it has its own."""
+        coating = self.casing.coating
+        own = None if coating is None else coating.friction
+        return self.contact.friction if own is None else own
+
     def _drive_faults(self) -> Iterator[Inconsistency]:
         """Yield what a free speed does not allow: forces whose torque is not known."""
         shaft, closure = self.shaft, self.casing.closure

@@ -121,7 +121,7 @@ class Coating(Table):
     the blade at its tip; with a superelement the mean thickness of the surface at the tip along the
     arc, or, without a surface or with several nodes in a track, the distance of the nodes."""
     friction: fields.NumberOrZero | None = None
-    """Friction coefficient; contact.friction by default."""
+    """Friction coefficient at the coated wall; contact.friction by default."""
     limit: Annotated[float, fields.number("positive")] = 0.9
     """Largest fraction of the thickness that can be removed. A tip beyond this depth touches the
     metal of the casing."""

@@ -88,10 +88,6 @@ def superelement_faults(case: Tables) -> Iterator[Inconsistency]:
             texts = " or ".join(f'"{one}"' if isinstance(one, str) else str(one) for one in allowed)
             yield Inconsistency(key, f"{texts} with {SOURCE}: {reason}", (SOURCE,))
     yield from _rotation_faults(case, table)
-    coating = case.casing.coating
-    if coating is not None and coating.friction not in (None, case.contact.friction):
-        expected = f"the value of contact.friction with {SOURCE}"
-        yield Inconsistency("casing.coating.friction", expected, (SOURCE,))
     moved = [key for key, value in case.initial.model_dump(exclude_defaults=True).items() if value]
     for key in moved:
         if key.startswith("centre") and (table.kind != "wheel" or table.part.centre_dofs is None):

@@ -46,7 +46,7 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
             rotor=rotor,
             casing=casing,
             speed=stage.speed,
-            friction=case.contact.friction,
+            friction=case.wall_friction,
             sliding=case.contact.sliding,
             tip_rotation=case.contact.tip_rotation,
             displacement_limit=stage.displacement_limit,
@@ -93,7 +93,7 @@ def march_faults(stage: Stage, *, steps: bool = True) -> Iterator[Fault]:
     if steps:
         yield from time_step_faults(stage)
     yield from foreshortening_faults(stage)
-    yield from coating_faults(stage, *marched_bodies(stage))
+    yield from coating_faults(stage)
     yield from _load_faults(stage)
     yield from _start_faults(stage)
     yield from loss_faults(stage.case)

@@ -12,9 +12,6 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.fields import MOST
 from bladewhirl.models.stage.contact_problem import (
-    NodeCoating,
-    ReducedCasing,
-    ReducedRotor,
     WallCoating,
     rod_angles,
 )
@@ -53,37 +50,26 @@ def wall_coating(stage: Stage) -> WallCoating | None:
     elif not np.isfinite(footprint).all():
         expected = "a length, because the tips are not ends of beams"
         raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
-    strain = _worn(coating, 2.0 * np.pi * radius, footprint, case.blades)
+    strain = _worn(coating, 2.0 * np.pi * radius, footprint, case.blades, 1)
     return WallCoating(
         strain=strain,
+        axial=np.zeros(1),
+        width=np.full(1, coating.width or case.casing.wall.width),
+        track=np.zeros(len(footprint), dtype=np.int64),
         footprint=footprint,
-        arc=2.0 * np.pi * radius / len(strain),
-        width=coating.width or case.casing.wall.width,
-        friction=case.contact.friction if coating.friction is None else coating.friction,
+        radius=radius,
         **_law(coating),
     )
 
 
-def coating_faults(stage: Stage, rotor: ReducedRotor, casing: ReducedCasing) -> Iterator[Fault]:
-    """Yield faults if the time step is too long for the stiffness of the coating, or for the time
-    in which a tip passes a rod."""
-    coating, case = wall_coating(stage), stage.case
-    if coating is None:
-        return
-    step = case.march.time_step
-    # The forces follow from the motion without them: stable below 4/3 times stiffness over mass.
-    mobility = (rotor.tip_radial**2).sum(axis=1).max()
-    mobility += (casing.nodal[:, 0] ** 2).sum(axis=1).max()
-    longest = float(1.0 / np.sqrt(coating.stiffness * mobility))
-    if not step < longest:
-        expected = f"less than {longest:.4g} s, the limit for the stiffness of casing.coating"
-        yield case_fault(case, "march.time_step", expected)
-    yield from rod_faults(case, coating, stage.speed, stage.casing.mesh.radius)
+def coating_faults(stage: Stage) -> Iterator[Fault]:
+    """Yield faults if the time step is too long for the time in which a tip passes a rod."""
+    coating = wall_coating(stage)
+    if coating is not None:
+        yield from rod_faults(stage.case, coating, stage.speed, stage.casing.mesh.radius)
 
 
-def rod_faults(
-    case: Case, coating: WallCoating | NodeCoating, speed: float, radius: float
-) -> Iterator[Fault]:
+def rod_faults(case: Case, coating: WallCoating, speed: float, radius: float) -> Iterator[Fault]:
     """Yield a fault if a tip or a contact node at a radius [m] passes a rod in each time step."""
     step = case.march.time_step
     if not abs(speed) * step * radius < coating.arc:
@@ -145,7 +131,7 @@ def node_coating(
     blade: IntArray,
     wall_radius: float,
     thickness: FloatArray | None = None,
-) -> NodeCoating | None:
+) -> WallCoating | None:
     """Return the coating of the wall; None if there is none.
 
     There is a track of rods for each axial position of contact nodes, whose outermost nodes are at
@@ -195,7 +181,7 @@ def node_coating(
             f" not at {_listed(worn)}"
         )
         raise CaseError([case_fault(case, "casing.coating.profile", expected)])
-    return NodeCoating(
+    return WallCoating(
         strain=_worn(coating, 2.0 * np.pi * wall_radius, footprint, case.blades, len(axial)),
         axial=axial,
         width=width,
@@ -212,9 +198,9 @@ def _law(coating: Coating) -> dict[str, float]:
 
 
 def _worn(
-    coating: Coating, around: float, footprint: FloatArray, blades: int, *tracks: int
+    coating: Coating, around: float, footprint: FloatArray, blades: int, tracks: int
 ) -> FloatArray:
-    """Return the plastic strain of each rod at the start, (*tracks, rods). The default number of
+    """Return the plastic strain of each rod at the start, (tracks, rods). The default number of
     rods is the same for each blade; it follows from the circumference `around` of the wall and the
     arcs that tips cover [m]."""
     rods = coating.elements or (int(PER_FOOTPRINT * around / footprint.min() / blades) + 1) * blades
@@ -222,7 +208,7 @@ def _worn(
         expected = f"at least {PER_FOOTPRINT * around / MOST:.3g} m, for at most {MOST} rods"
         key, length = "casing.coating.footprint", float(footprint.min())
         raise CaseError([Fault(key=key, value=length, expected=expected)])
-    strain = np.zeros((*tracks, rods))
+    strain = np.zeros((tracks, rods))
     if coating.profile is not None:
         strain += coating.profile.recess(rod_angles(rods)) / coating.thickness
     return strain

@@ -167,11 +167,28 @@ class ReducedRotor:
         return values.reshape(self.copies, -1)
 
     @property
+    def blades(self) -> int:
+        """Number of equal blades over which `column` counts."""
+        return len(self.tip_angle)
+
+    @property
+    def contact_radius(self) -> FloatArray:
+        """Radius of the tips of a copy [m], (tips,)."""
+        if self.nodes is None:
+            return np.full(len(self.tip_radial), self.tip_radius)
+        return np.asarray(self.nodes.radius, dtype=np.float64)
+
+    @property
+    def compliance(self) -> FloatArray | None:
+        """See `ContactNodes.compliance`; None for tips of beams."""
+        return None if self.nodes is None else self.nodes.compliance
+
+    @property
     def contact(self) -> FloatArray:
-        """Radial, tangential and axial displacements of the contact nodes of a copy [kg^-1/2],
+        """Radial, tangential and axial displacements of the tips of a copy [kg^-1/2],
         (3 * tips, modes)."""
-        assert self.nodes is not None
-        components = (self.tip_radial, self.tip_tangential, self.nodes.axial)
+        axial = np.zeros_like(self.tip_radial) if self.nodes is None else self.nodes.axial
+        components = (self.tip_radial, self.tip_tangential, axial)
         return np.stack(components, axis=1).reshape(-1, self.tip_radial.shape[1])
 
     def at_tips(self, rows: FloatArray, displacement: FloatArray) -> FloatArray:
@@ -355,8 +372,9 @@ class WallClosure:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CoatingLaw:
-    """Law of the elastic-plastic rods of an abradable coating.
+class WallCoating:
+    """Abradable coating on the wall: elastic-plastic rods in tracks, one track for each axial
+    position of tips.
 
     Source: Legrand, Batailly and Pierre, J. Comput. Nonlinear Dyn. 7 (2012).
     """
@@ -366,51 +384,17 @@ class CoatingLaw:
     yield_stress: float  #: yield stress [Pa]
     hardening: float  #: increase of the yield stress per plastic strain [Pa]
     limit: float  #: largest plastic strain
+    strain: FloatArray  #: plastic strain of each rod at the start, (tracks, rods)
+    axial: FloatArray  #: axial position of each track [m], (tracks,)
+    width: FloatArray  #: size of each track along the axis [m], (tracks,)
+    track: IntArray  #: track of each tip of a copy, (tips,)
+    footprint: FloatArray  #: arc that each tip of a copy covers [m], (tips,)
+    radius: float  #: radius of the wall [m]
 
     @property
     def removable(self) -> float:
         """Depth of the metal below the surface of the new coating [m]."""
         return self.limit * self.thickness
-
-
-@dataclass(frozen=True, kw_only=True)
-class WallCoating(CoatingLaw):
-    """Abradable coating on the inner face of the casing: rods at equal angles."""
-
-    strain: FloatArray  #: plastic strain of each rod at the start, (rods,)
-    footprint: FloatArray  #: arc that each tip covers [m], (tips,)
-    arc: float  #: arc length of a rod [m]
-    width: float  #: width of the coating [m]
-    friction: float  #: friction coefficient
-
-    @property
-    def area(self) -> float:
-        """Area of a rod [m2]."""
-        return self.arc * self.width
-
-    @property
-    def angle(self) -> FloatArray:
-        """Angle of the middle of each rod [rad], (rods,)."""
-        return rod_angles(len(self.strain))
-
-    @property
-    def stiffness(self) -> float:
-        """Largest stiffness under a tip [N/m]."""
-        rods = float(np.floor(self.footprint.max() / self.arc)) + 1.0
-        return float(self.young_modulus * self.area / self.thickness * rods)
-
-
-@dataclass(frozen=True, kw_only=True)
-class NodeCoating(CoatingLaw):
-    """Abradable coating under many contact nodes: rods in tracks, one track for each axial position
-    of contact nodes."""
-
-    strain: FloatArray  #: plastic strain of each rod at the start, (tracks, rods)
-    axial: FloatArray  #: axial position of each track [m], (tracks,)
-    width: FloatArray  #: size of each track along the axis [m], (tracks,)
-    track: IntArray  #: track of each contact node of a copy, (nodes,)
-    footprint: FloatArray  #: arc that each contact node of a copy covers [m], (nodes,)
-    radius: float  #: radius of the wall [m]
 
     @property
     def arc(self) -> float:
@@ -535,8 +519,7 @@ class ContactProblem:
     start: Start
     springs: CouplingSprings | None = None  #: springs between the bodies
     closure: WallClosure | None = None  #: clearance that is lost over time
-    coating: WallCoating | NodeCoating | None = None
-    """Abradable coating: a `NodeCoating` under `ContactNodes`."""
+    coating: WallCoating | None = None  #: abradable coating
     foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
     slope: float | FloatArray = 0.0
     """Slope of a conical wall [rad], in whose axes contact nodes move, see `cone`; under a contour

@@ -137,7 +137,7 @@ def superelement_hints(stage: SuperelementStage) -> Iterator[str]:
     if not limits:
         return
     node = min(limits, key=limits.__getitem__)
-    if stage.case.contact.friction > limits[node]:
+    if stage.case.wall_friction > limits[node]:
         yield (
             f"contact node {node} locks itself against the wall with a friction above"
             f" {limits[node]:.3g}: static friction presses it outward more than the normal force"

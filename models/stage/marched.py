@@ -23,7 +23,7 @@ from bladewhirl.models.stage.blade_loss import loss_faults
 from bladewhirl.models.stage.blade_stiffness import TunedRotor, tuned_beams, tuned_sectors
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.coating import rod_faults, wall_coating
-from bladewhirl.models.stage.contact_problem import ContactProblem, NodeCoating, WallCoating
+from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
 from bladewhirl.models.stage.forced import (
     EngineOrders,
     ForcedRotor,
@@ -99,7 +99,7 @@ class MarchedStage(ABC):
 
     @property
     @abstractmethod
-    def coating(self) -> WallCoating | NodeCoating | None:
+    def coating(self) -> WallCoating | None:
         """Coating of the wall."""
 
     @abstractmethod
@@ -226,7 +226,7 @@ class MarchedNodes(MarchedStage):
         }
 
     @property
-    def coating(self) -> NodeCoating | None:
+    def coating(self) -> WallCoating | None:
         return self.model.coating
 
     def contact_problem(self, *, steps: bool = True) -> ContactProblem:

@@ -24,11 +24,11 @@ from bladewhirl.models.stage.coating import node_coating, tip_thickness
 from bladewhirl.models.stage.cone import in_cone, slopes
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
-    NodeCoating,
     ReducedCasing,
     ReducedRotor,
     Start,
     WallClosure,
+    WallCoating,
 )
 from bladewhirl.models.stage.excitations import LoadedStage, closing_unbalance, direction, loads_on
 from bladewhirl.models.stage.ring import Ring, flexible_ring, rigid_wall
@@ -171,7 +171,7 @@ class SuperelementStage:
             rotor=rotor,
             casing=self.wall,
             speed=speed,
-            friction=case.contact.friction,
+            friction=case.wall_friction,
             sliding="full" if case.contact.sliding == "full" else "permanent",
             tip_rotation=case.contact.tip_rotation,
             displacement_limit=case.march.displacement_limit or self.blade_length,
@@ -335,7 +335,7 @@ class SuperelementStage:
         return np.asarray(sum(matrices, np.zeros((modes, modes)))) if matrices else None
 
     @cached_property
-    def coating(self) -> NodeCoating | None:
+    def coating(self) -> WallCoating | None:
         """The coating of the wall; None if there is none."""
         table = self.table
         thickness = tip_thickness(table.part, table.copies if table.kind == "wheel" else 1)

@@ -1,30 +1,42 @@
-/* The complementarity problem of a step, for tips and for groups of contact nodes:
+/* The complementarity problem of a group of contact nodes in a step:
  *
  *     0 <= lambda  perp  g_p + W lambda >= 0
  *
- * The active set is changed for all tips at a time, then tip by tip. If W is singular or the search
+ * The active set is changed for all nodes at a time, then node by node. If W is singular or the search
  * for the set does not end, the problem is solved by Lemke's method. W is stored by column. */
 #ifndef COMPLEMENTARITY_H
 #define COMPLEMENTARITY_H
 
 #include "motion.h"
 
-enum { LAST_TRIAL = 1000000 }; /* number that means that the problem was solved for all tips */
-enum { MENDED_TOGETHER = 6 };  /* trials of the active set before tips are changed one by one */
+enum { LAST_TRIAL = 1000000 }; /* number that means that the problem was solved for all nodes */
+enum { MENDED_TOGETHER = 6 };  /* trials of the active set before nodes are changed one by one */
 #define SINGULAR 1e-11 /* share of the largest diagonal entry below which a pivot counts as zero */
 
-/* Tips whose contact forces are computed, with a number for each tip. */
+/* Nodes whose contact forces are computed, with a number for each node. */
 typedef struct {
-    int64_t tips;
+    int64_t nodes;
     const double *gap;  /* gaps without contact forces */
-    double *held;       /* 1 for tips of the active set, otherwise 0 */
+    double *held;       /* 1 for nodes of the active set, otherwise 0 */
     double *multiplier; /* normal contact forces */
-    const double *response; /* W of all tips, row by row, if it is known; otherwise NULL */
+    const Matrix *response; /* W of all nodes by column */
 } Candidates;
 
-/* Function that computes W of the first `size` tips of `active`, by column, as the system of the
- * contact scratch. */
-typedef void FillSystem(const March *m, const Candidates *k, int64_t size);
+/* Take W of the first `size` nodes of `active` from that of all nodes, as the system. */
+static void fill_system(const Candidates *k, ContactScratch *c, int64_t size)
+{
+    int64_t width = c->system.columns;
+    for (int64_t n = 0; n < size; n++) {
+        double *column = c->system.at + n * width;
+        const double *from = k->response->at + c->active.at[n] * k->response->columns;
+        for (int64_t i = 0; i < size && size < k->nodes; i++)
+            column[i] = from[c->active.at[i]];
+        for (int64_t i = 0; i < size && size == k->nodes; i += LANES)
+            store(column + i, load(from + i));
+        for (int64_t i = size; i < padded(size); i++)
+            column[i] = 0.0;
+    }
+}
 
 /* Solve a linear system that is stored by columns, with the right-hand side as the last column. The
  * system is overwritten. Returns 0 if a pivot nearly vanishes, otherwise 1.
@@ -56,8 +68,8 @@ static inline int eliminate(ContactScratch *c, int64_t size)
     return 1;
 }
 
-/* Compute the contact forces that close the gaps of the active tips, and remove tips with negative
- * forces from the active set (`held`). Returns the number of tips with negative forces, where 0
+/* Compute the contact forces that close the gaps of the active nodes, and remove nodes with negative
+ * forces from the active set (`held`). Returns the number of nodes with negative forces, where 0
  * means that the set is complete, or -1 if W is singular. */
 static inline int64_t active_multipliers(const Candidates *k, ContactScratch *c, int64_t size,
                                          int one_by_one)
@@ -70,7 +82,7 @@ static inline int64_t active_multipliers(const Candidates *k, ContactScratch *c,
         right[i] = -k->gap[c->active.at[i]];
     if (!eliminate(c, size))
         return -1;
-    for (int64_t j = 0; j < k->tips; j++)
+    for (int64_t j = 0; j < k->nodes; j++)
         k->multiplier[j] = 0.0;
     for (int64_t i = 0; i < size; i++) {
         if (c->solution.at[i] < 0.0) {
@@ -86,15 +98,15 @@ static inline int64_t active_multipliers(const Candidates *k, ContactScratch *c,
 /* Fill the tableau of Lemke's method. Returns the row of the most negative gap. */
 static int64_t fill_tableau(const Candidates *k, ContactScratch *c, double gap_scale, double w_scale)
 {
-    int64_t tips = k->tips, row = 0;
-    for (int64_t i = 0; i < tips; i++) {
+    int64_t nodes = k->nodes, row = 0;
+    for (int64_t i = 0; i < nodes; i++) {
         double *t = c->tableau.at + i * c->tableau.columns;
-        for (int64_t j = 0; j < tips; j++) {
+        for (int64_t j = 0; j < nodes; j++) {
             t[j] = i == j ? 1.0 : 0.0;
-            t[tips + j] = -c->system.at[j * c->system.columns + i] / w_scale;
+            t[nodes + j] = -c->system.at[j * c->system.columns + i] / w_scale;
         }
-        t[2 * tips] = -1.0;
-        t[2 * tips + 1] = k->gap[i] / gap_scale;
+        t[2 * nodes] = -1.0;
+        t[2 * nodes + 1] = k->gap[i] / gap_scale;
         k->multiplier[i] = 0.0;
         c->basis.at[i] = i;
         if (k->gap[i] < k->gap[row])
@@ -104,13 +116,13 @@ static int64_t fill_tableau(const Candidates *k, ContactScratch *c, double gap_s
 }
 
 /* Make the entering variable the basic variable of a row. */
-static void pivot(ContactScratch *c, int64_t tips, int64_t row, int64_t entering)
+static void pivot(ContactScratch *c, int64_t nodes, int64_t row, int64_t entering)
 {
     int64_t width = c->tableau.columns;
     double *own = c->tableau.at + row * width, divisor = own[entering];
     for (int64_t j = 0; j < width; j++)
         own[j] /= divisor;
-    for (int64_t i = 0; i < tips; i++) {
+    for (int64_t i = 0; i < nodes; i++) {
         double *other = c->tableau.at + i * width, ratio = other[entering];
         if (i != row && ratio != 0.0)
             for (int64_t j = 0; j < width; j++)
@@ -121,11 +133,11 @@ static void pivot(ContactScratch *c, int64_t tips, int64_t row, int64_t entering
 
 /* Return the row with the smallest ratio, -1 if there is none. Among equal ratios, the row of the
  * covering variable is preferred. */
-static int64_t least_ratio(const ContactScratch *c, int64_t tips, int64_t entering)
+static int64_t least_ratio(const ContactScratch *c, int64_t nodes, int64_t entering)
 {
-    int64_t width = c->tableau.columns, cover = 2 * tips, row = -1;
+    int64_t width = c->tableau.columns, cover = 2 * nodes, row = -1;
     double best = INFINITY;
-    for (int64_t i = 0; i < tips; i++) {
+    for (int64_t i = 0; i < nodes; i++) {
         const double *t = c->tableau.at + i * width;
         if (!(t[entering] > 1e-10))
             continue;
@@ -147,27 +159,27 @@ static int64_t least_ratio(const ContactScratch *c, int64_t tips, int64_t enteri
  * z0. */
 static int lemke(const Candidates *k, ContactScratch *c)
 {
-    int64_t tips = k->tips, cover = 2 * tips, entering = cover;
+    int64_t nodes = k->nodes, cover = 2 * nodes, entering = cover;
     double gap_scale = 0.0, w_scale = 0.0;
-    for (int64_t i = 0; i < tips; i++) {
+    for (int64_t i = 0; i < nodes; i++) {
         gap_scale = larger(gap_scale, fabs(k->gap[i]));
         w_scale = larger(w_scale, fabs(c->system.at[i * c->system.columns + i]));
     }
     int64_t row = fill_tableau(k, c, gap_scale, w_scale);
-    for (int64_t pivots = 0; pivots < 50 * tips && row >= 0; pivots++) {
+    for (int64_t pivots = 0; pivots < 50 * nodes && row >= 0; pivots++) {
         int64_t leaving = c->basis.at[row];
-        pivot(c, tips, row, entering);
+        pivot(c, nodes, row, entering);
         if (leaving == cover) {
-            for (int64_t i = 0; i < tips; i++) {
+            for (int64_t i = 0; i < nodes; i++) {
                 int64_t basic = c->basis.at[i];
                 double value = c->tableau.at[i * c->tableau.columns + cover + 1];
-                if (tips <= basic && basic < cover)
-                    k->multiplier[basic - tips] = larger(0.0, value * gap_scale / w_scale);
+                if (nodes <= basic && basic < cover)
+                    k->multiplier[basic - nodes] = larger(0.0, value * gap_scale / w_scale);
             }
             return 1;
         }
-        entering = leaving < tips ? leaving + tips : leaving - tips;
-        row = least_ratio(c, tips, entering);
+        entering = leaving < nodes ? leaving + nodes : leaving - nodes;
+        row = least_ratio(c, nodes, entering);
     }
     return 0;
 }
@@ -175,14 +187,14 @@ static int lemke(const Candidates *k, ContactScratch *c)
 /* Improve the contact forces by projected Gauss-Seidel iterations, if Lemke's method has failed. */
 static void gauss_seidel(const Candidates *k, const ContactScratch *c)
 {
-    int64_t tips = k->tips, width = c->system.columns;
+    int64_t nodes = k->nodes, width = c->system.columns;
     const double *w = c->system.at;
     double *multiplier = k->multiplier;
     for (int round = 0; round < 2000; round++) {
         double change = 0.0, largest = 0.0;
-        for (int64_t i = 0; i < tips; i++) {
+        for (int64_t i = 0; i < nodes; i++) {
             double closing = k->gap[i];
-            for (int64_t j = 0; j < tips; j++)
+            for (int64_t j = 0; j < nodes; j++)
                 closing += w[j * width + i] * multiplier[j];
             double value = larger(0.0, multiplier[i] - closing / w[i * width + i]);
             change = larger(change, fabs(value - multiplier[i]));
@@ -194,23 +206,22 @@ static void gauss_seidel(const Candidates *k, const ContactScratch *c)
     }
 }
 
-/* Compute the contact forces of the active set without tensile forces; tips with tensile forces are
+/* Compute the contact forces of the active set without tensile forces; nodes with tensile forces are
  * removed from the set. If W is singular or the search for the set does not end, the
- * complementarity problem is solved for all tips. Returns the number of active tips. `trial` is
+ * complementarity problem is solved for all nodes. Returns the number of active nodes. `trial` is
  * increased for each change of the set, and set to LAST_TRIAL if the problem was solved for all
- * tips; `solved` is set to 0 if this failed. */
-INLINED int64_t contact_multipliers(int64_t *trial, int *solved, const March *m,
-                                    const Candidates *k, FillSystem *fill)
+ * nodes; `solved` is set to 0 if this failed. */
+static int64_t contact_multipliers(int64_t *trial, int *solved, const Candidates *k,
+                                   ContactScratch *c)
 {
-    ContactScratch *c = &m->scratch->contact;
     int64_t released = 1, size = 0;
     int together = 0;
     while (released > 0 || together) {
         size = 0;
-        for (int64_t j = 0; j < k->tips; j++)
+        for (int64_t j = 0; j < k->nodes; j++)
             if (together || k->held[j] > 0.0)
                 c->active.at[size++] = j;
-        fill(m, k, size);
+        fill_system(k, c, size);
         if (together) {
             if (!lemke(k, c)) {
                 *solved = 0;
@@ -222,7 +233,7 @@ INLINED int64_t contact_multipliers(int64_t *trial, int *solved, const March *m,
         released = active_multipliers(k, c, size, *trial > MENDED_TOGETHER);
         if (released > 0)
             *trial += 1;
-        together = released < 0 || (released == 0 && *trial > MENDED_TOGETHER + 4 * k->tips);
+        together = released < 0 || (released == 0 && *trial > MENDED_TOGETHER + 4 * k->nodes);
     }
     return size;
 }

@@ -138,10 +138,6 @@ static void predict_drive(March *m)
     r->next = s[DRIVE_ANGLE] + dt * r->half;
     r->speed = r->half + 0.5 * dt * acceleration;
     r->elements = r->next * (double)m->stage.casing->nodes / (2.0 * PI);
-    r->wheel_speed = n->radius * r->speed;
-    ContactScratch *c = &m->scratch->contact;
-    for (int64_t j = 0; j < c->sign.size && n->is_signed == 0.0; j++)
-        c->sign.at[j] = (r->speed > 0.0) - (r->speed < 0.0);
 }
 
 /* Return the change of the radius of the wall by the angle at a tip [m]. */
@@ -150,9 +146,7 @@ static double wall_slope(const March *m, int64_t tip)
     const Casing *casing = m->stage.casing;
     const FieldScratch *f = &m->scratch->fields;
     const Matrix *nodal = casing->modes == 0 ? &casing->radial.start : &f->nodal;
-    const double *places = m->stage.numbers->elements_per_metre == 0.0
-                               ? m->stage.rotor->position.at : f->at.at;
-    double place = places[tip] + m->rotation.elements, length = casing->element_length;
+    double place = position_of(m, tip) + m->rotation.elements, length = casing->element_length;
     double xi = place - floor(place), rest = 1.0 - xi;
     double weight[4] = {-6.0 * xi * rest, length * rest * (1.0 - 3.0 * xi), 6.0 * xi * rest,
                         length * xi * (3.0 * xi - 2.0)};
@@ -163,20 +157,13 @@ static double wall_slope(const March *m, int64_t tip)
 /* Return the torque of the contact forces at the end of the step. */
 static double contact_torque(const March *m)
 {
-    const Numbers *n = m->stage.numbers;
-    const Nodes *nodes = m->stage.nodes;
-    const ContactScratch *c = &m->scratch->contact;
+    const Rotor *rotor = m->stage.rotor;
     double torque = 0.0;
-    for (int64_t j = 0; !nodes && j < c->multiplier.size; j++)
-        if (c->multiplier.at[j] > 0.0)
-            torque += c->multiplier.at[j]
-                      * (wall_slope(m, j) - n->friction * c->sign.at[j] * n->radius);
-    for (int64_t j = 0; nodes && j < m->state->gap.size; j++) {
+    for (int64_t j = 0; j < m->state->gap.size; j++) {
         const double *force = m->state->force.at + DIRECTIONS * j;
-        double normal = m->stage.rotor->normal_part.at[j];
         if (force[RADIAL] < 0.0)
-            torque += force[TANGENTIAL] * nodes->radius.at[j % nodes->radius.size]
-                      - force[RADIAL] * normal * wall_slope(m, j);
+            torque += force[TANGENTIAL] * rotor->radius.at[j]
+                      - force[RADIAL] * rotor->normal_part.at[j] * wall_slope(m, j);
     }
     return torque;
 }

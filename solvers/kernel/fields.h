@@ -1,7 +1,7 @@
-/* Evaluation of displacements of tips and casing nodes, of gaps, and of directions of sliding.
+/* Evaluation of displacements of blades and casing nodes.
  *
  * Modal coordinates are first summed over rows with weights, which gives a number for each column.
- * A shape matrix then converts these numbers to values at tips or casing nodes; see `march.c`.
+ * A shape matrix then converts these numbers to values at blades or casing nodes; see `march.c`.
  */
 #ifndef FIELDS_H
 #define FIELDS_H
@@ -146,25 +146,73 @@ static inline double hermite_value(const Matrix *nodal, int64_t element, const d
            + (weight[2 * width] * value[1] + weight[3 * width] * slope[1]);
 }
 
-/* Compute the tangential displacement of each tip. */
-static void tip_tangential(const Rotor *rotor, const double *x, FieldScratch *f)
+/* Compute a field of the rotor at the blades from its sums by column. */
+INLINED void blade_values(const Rotor *rotor, const double *sums, double *out)
 {
-    column_sums(&rotor->tangential, x, 0, f->rotor.at);
-    combine_rows(&rotor->shape, f->rotor.at, f->tangential.at);
-    column_sums(&rotor->crossed, x, 0, f->rotor.at);
-    combine_rows(&rotor->cross_shape, f->rotor.at, f->other.at);
-    for (int64_t j = 0; j < f->tangential.size; j += LANES)
-        store(f->tangential.at + j, add(load(f->tangential.at + j), load(f->other.at + j)));
+    if (rotor->fold.rows > 0)
+        fold_field(&rotor->fold, rotor->half, rotor->spread.rows / 2, sums, NULL, NULL, out, 0);
+    else
+        combine_rows(&rotor->shape, sums, out);
+}
+
+/* Compute a field of the rotor at the blades, by harmonic, from the weights of the modes in their
+ * columns and, unless `across` is NULL, in the partner columns. */
+INLINED void blade_field(const Rotor *rotor, const double *own, const double *across,
+                         const double *x, FieldScratch *f, double *out)
+{
+    int64_t columns = rotor->own.columns, half = rotor->half;
+    Matrix weight = {.at = (double *)own, .rows = rotor->own.rows, .columns = columns};
+    column_sums(&weight, x, 0, f->sums.at);
+    if (across) {
+        double *partner = f->partner.at;
+        weight.at = (double *)across;
+        column_sums(&weight, x, 0, partner);
+        for (int64_t h = 0; h < half; h++)
+            partner[columns + h] = partner[h];
+        for (int64_t h = 0; h < columns; h += LANES)
+            store(f->sums.at + h, add(load(f->sums.at + h), load(partner + half + h)));
+    }
+    blade_values(rotor, f->sums.at, out);
+}
+
+/* Compute a component of the displacements of all nodes for modal coordinates x. Without harmonics,
+ * only copies that are `wanted` are computed, or all of them if it is NULL. */
+INLINED void node_field(const Rotor *rotor, int64_t direction, const double *x,
+                        const IntVector *wanted, FieldScratch *f, double *out)
+{
+    if (rotor->half > 0) {
+        int64_t blades = rotor->spread.rows, each = rotor->own.layers / DIRECTIONS;
+        int64_t size = rotor->own.rows * rotor->own.columns;
+        for (int64_t i = 0; i < each; i++) {
+            int64_t k = DIRECTIONS * i + direction;
+            const double *own = rotor->own.at + k * size, *across = rotor->across.at + k * size;
+            double *to = each > 1 ? f->blades.at : out;
+            blade_field(rotor, own, rotor->crosses.at[k] ? across : NULL, x, f, to);
+            for (int64_t b = 0; each > 1 && b < blades; b++)
+                out[b * each + i] = to[b];
+        }
+        return;
+    }
+    int64_t modes = rotor->columns.rows, count = rotor->columns.columns;
+    int64_t entries = rotor->body.a.size / rotor->copies;
+    for (int64_t copy = 0; copy < rotor->copies; copy++) {
+        double *to = out + copy * count;
+        if (wanted && !wanted->at[copy])
+            continue;
+        for (int64_t i = 0; i < count; i++)
+            to[i] = 0.0;
+        add_rows(x + copy * entries, rotor->columns.at + direction * modes * count, modes, count, to);
+    }
 }
 
 /* Compute the element at each position and the Hermite weights; a row of `hermite` has `width`
  * numbers. */
 static inline void hermite_weights(const double *restrict places, double turned, double nodes,
-                                   double length, int64_t tips, int64_t width,
+                                   double length, int64_t count, int64_t width,
                                    int64_t *restrict element, double *restrict hermite)
 {
     double turn = 1.0 / nodes;
-    for (int64_t j = 0; j < tips; j++) {
+    for (int64_t j = 0; j < count; j++) {
         double at = places[j] + turned;
         at -= nodes * floor(at * turn);
         at = at < 0.0 ? 0.0 : at; /* negative only by rounding of the product */
@@ -180,47 +228,21 @@ static inline void hermite_weights(const double *restrict places, double turned,
     }
 }
 
-/* Find the element under each tip and its Hermite weights at x_{n+1}; `turned` is the rotation of
- * the rotor in elements. */
-static inline void place_tips(const Rotor *rotor, const Casing *casing, double elements_per_metre,
-                              double turned, const double *x, FieldScratch *f)
-{
-    const double *places = rotor->position.at;
-    if (elements_per_metre != 0.0) {
-        tip_tangential(rotor, x, f);
-        for (int64_t j = 0; j < f->element.size; j++)
-            f->at.at[j] = places[j] + elements_per_metre * f->tangential.at[j];
-        places = f->at.at;
-    }
-    hermite_weights(places, turned, (double)casing->nodes, casing->element_length, f->element.size,
-                    f->hermite.columns, f->element.at, f->hermite.at);
-}
-
-/* Compute the sums by column of u_r of the tips and of w and w' of the casing, at x_{n+1}. */
-static inline void sum_radial(const Rotor *rotor, const Casing *casing, const double *x,
-                              const double *y, FieldScratch *f)
-{
-    const NodalField *field = &casing->radial;
-    column_sums(&rotor->radial, x, 0, f->rotor.at);
-    column_sums(&field->weight, y, field->half, f->value.at);
-    column_sums(&field->slope_weight, y, field->slope_half, f->slope.at);
-}
-
-/* Compute the value of a nodal Hermite field under each tip. Returns 0 if any value is NaN. */
-static inline int field_at_tips(const Matrix *nodal, const FieldScratch *f, double *out)
+/* Compute the value of a nodal Hermite field under each node. Returns 0 if any value is NaN. */
+static inline int field_at_nodes(const Matrix *nodal, const FieldScratch *f, double *out)
 {
     int finite = 1;
     for (int64_t j = 0; j < f->element.size; j++) {
-        double at_tip =
+        double at_node =
             hermite_value(nodal, f->element.at[j], f->hermite.at + j, f->hermite.columns);
-        out[j] = at_tip;
-        finite &= at_tip == at_tip;
+        out[j] = at_node;
+        finite &= at_node == at_node;
     }
     return finite;
 }
 
-/* Return the recess of each tip minus the closure above it at a time, for the present positions of
- * the tips. */
+/* Return the recess of each node minus the closure above it at a time, for the present positions of
+ * the nodes. */
 static inline const double *recess_at(const Rotor *rotor, const Closure *closure, double time,
                                       FieldScratch *f)
 {
@@ -233,62 +255,6 @@ static inline const double *recess_at(const Rotor *rotor, const Closure *closure
         f->recess.at[j] = rotor->recess.at[j] - rotor->normal_part.at[j] * closed * share;
     }
     return f->recess.at;
-}
-
-/* Compute the gap of each tip from the columns of u_r, w and w', and from the recess of each tip.
- * Returns whether all |u_r| are within the limit. */
-static inline int close_gaps(const Rotor *rotor, const Casing *casing, const double *recess,
-                             double limit, FieldScratch *f, double *gap)
-{
-    int64_t within = 0, tips = f->element.size;
-    if (rotor->fold.rows > 0)
-        fold_field(&rotor->fold, rotor->half, tips / 2, f->rotor.at, NULL, NULL, f->radial.at, 0);
-    else
-        combine_rows(&rotor->shape, f->rotor.at, f->radial.at);
-    if (!field_at_tips(nodal_field(casing, &casing->radial, f), f, gap))
-        return 0;
-    for (int64_t j = 0; j < tips; j++) {
-        gap[j] += recess[j] - f->radial.at[j];
-        within += fabs(f->radial.at[j]) <= limit; /* 0 for NaN */
-    }
-    return within == tips;
-}
-
-/* Compute the direction of sliding of each tip from the tangential motion in the last step. */
-static inline void sliding_signs(const Rotor *rotor, const Casing *casing, double wheel_speed,
-                                 double time_step, Motion x, Motion y, FieldScratch *f,
-                                 double *sign)
-{
-    const NodalField *field = &casing->tangential;
-    double *on_rotor = f->moved.at, *on_casing = f->moved.at + f->moved.columns;
-    for (int64_t i = 0; i < x.entries; i += LANES)
-        store(on_rotor + i, sub(load(x.now + i), load(x.old + i)));
-    for (int64_t i = 0; i < y.entries; i += LANES)
-        store(on_casing + i, sub(load(y.now + i), load(y.old + i)));
-    tip_tangential(rotor, on_rotor, f);
-    column_sums(&field->weight, on_casing, field->half, f->value.at);
-    column_sums(&field->slope_weight, on_casing, field->slope_half, f->slope.at);
-    field_at_tips(nodal_field(casing, field, f), f, f->other.at);
-    for (int64_t j = 0; j < f->element.size; j++) {
-        double speed = wheel_speed + (f->tangential.at[j] - f->other.at[j]) / time_step;
-        sign[j] = (speed > 0.0) - (speed < 0.0);
-    }
-}
-
-/* Return whether tangential displacements of tips and radial displacements of the casing are within
- * the limit. */
-static int keeps_limit(const Rotor *rotor, const Casing *casing, double limit, const double *x,
-                       FieldScratch *f)
-{
-    int within = 1;
-    if (rotor->tangential.rows > 0) {
-        tip_tangential(rotor, x, f);
-        for (int64_t j = 0; j < f->element.size; j++)
-            within &= fabs(f->tangential.at[j]) <= limit;
-    }
-    for (int64_t i = 0; casing->modes > 0 && i < casing->nodes; i++)
-        within &= fabs(f->nodal.at[i] - casing->radial.start.at[i]) <= limit;
-    return within;
 }
 
 #endif

@@ -181,20 +181,11 @@ static inline void list_near(BendScratch *s)
 
 /* Compute y of all tips, a row for each term; by harmonic on a cyclic rotor. */
 static void bend_of_all(const Foreshortening *b, const Rotor *rotor, const double *x,
-                        BendScratch *s, double *out)
+                        FieldScratch *f, BendScratch *s, double *out)
 {
     int64_t terms = b->rows.rows, wide = s->opened.size, size = b->own.rows * b->own.columns;
-    for (int64_t k = 0; k < b->own.layers; k++, out += wide) {
-        Matrix own = {.at = b->own.at + k * size, .rows = b->own.rows, .columns = b->own.columns};
-        Matrix across = own;
-        across.at = b->across.at + k * size;
-        column_sums(&own, x, 0, s->sums.at);
-        combine_rows(&rotor->shape, s->sums.at, out);
-        column_sums(&across, x, 0, s->sums.at);
-        combine_rows(&rotor->cross_shape, s->sums.at, s->other.at);
-        for (int64_t j = 0; j < wide; j += LANES)
-            store(out + j, add(load(out + j), load(s->other.at + j)));
-    }
+    for (int64_t k = 0; k < b->own.layers; k++)
+        blade_field(rotor, b->own.at + k * size, b->across.at + k * size, x, f, out + k * wide);
     for (int64_t j = 0; b->own.layers == 0 && j < s->near.size; j++) {
         bend_of(b, j, x, s->term.at);
         for (int64_t k = 0; k < terms; k++)
@@ -205,15 +196,15 @@ static void bend_of_all(const Foreshortening *b, const Rotor *rotor, const doubl
 /* Compute the openings of all tips from x_n, and their first and second differences between
  * checks, which at the start follow from the velocities. */
 static void check_openings(const Foreshortening *b, const Rotor *rotor, State *state, int64_t step,
-                           Motion x, BendScratch *s)
+                           Motion x, FieldScratch *f, BendScratch *s)
 {
-    int64_t wide = state->checked.columns, size = s->bend.rows * s->bend.columns;
-    double steps = (double)b->check, *now = s->bend.at, *change = now + size;
-    bend_of_all(b, rotor, x.now, s, now);
+    int64_t wide = state->checked.columns;
+    double steps = (double)b->check, *now = s->bend.at, *change = s->bent.at;
+    bend_of_all(b, rotor, x.now, f, s, now);
     if (step == 0) {
         for (int64_t i = 0; i < x.entries; i += LANES)
             store(s->expected.at + i, sub(load(x.now + i), load(x.old + i)));
-        bend_of_all(b, rotor, s->expected.at, s, change);
+        bend_of_all(b, rotor, s->expected.at, f, s, change);
     }
     for (int64_t j = 0; j < s->near.size; j++) {
         const double *sign = b->sign.at + j * b->sign.columns;
@@ -238,7 +229,7 @@ static void check_openings(const Foreshortening *b, const Rotor *rotor, State *s
 /* Find the tips near the wall at a step from their gaps without foreshortening, and linearise the
  * openings of those whose linearisation has ended. Returns whether any gradient has changed. */
 static int find_near(const Foreshortening *b, const Rotor *rotor, State *state, const double *gap,
-                     int64_t step, Motion x, BendScratch *s)
+                     int64_t step, Motion x, FieldScratch *f, BendScratch *s)
 {
     double end = (double)((step / b->hold + 1) * b->hold - 1);
     double ahead = 0.5 * (end - (double)step);
@@ -254,7 +245,7 @@ static int find_near(const Foreshortening *b, const Rotor *rotor, State *state, 
                     store(s->expected.at + i, muladd(splat(ahead), moved, load(x.new + i)));
                 }
                 if (waves > 0 && !fresh)
-                    bend_of_all(b, rotor, s->expected.at, s, s->bend.at);
+                    bend_of_all(b, rotor, s->expected.at, f, s, s->bend.at);
                 if (waves == 0)
                     bend_of(b, j, s->expected.at, bend);
                 for (int64_t k = 0; k < waves; k++)
@@ -273,11 +264,12 @@ static int find_near(const Foreshortening *b, const Rotor *rotor, State *state, 
 /* Compute the openings at a step of tips far from the wall, and find the tips near the wall.
  * Returns whether any gradient has changed. */
 static inline int bend_tips(const Foreshortening *b, const Rotor *rotor, State *state,
-                            const double *gap, int64_t step, Motion x, BendScratch *s)
+                            const double *gap, int64_t step, Motion x, FieldScratch *f,
+                            BendScratch *s)
 {
     int64_t *count = s->count.at, wide = state->checked.columns;
     if (count[SINCE_CHECK] == 0)
-        check_openings(b, rotor, state, step - 1, x, s);
+        check_openings(b, rotor, state, step - 1, x, f, s);
     double part = (double)++count[SINCE_CHECK] / (double)b->check;
     if (count[SINCE_CHECK] == b->check)
         count[SINCE_CHECK] = 0;
@@ -294,7 +286,7 @@ static inline int bend_tips(const Foreshortening *b, const Rotor *rotor, State *
         below = half_add(below, half_larger(depth, none));
     }
     int ended = count[NEAR_TIPS] > 0 && count[SINCE_HOLD] == 0;
-    return (ended || half_total(below) > 0.0) && find_near(b, rotor, state, gap, step, x, s);
+    return (ended || half_total(below) > 0.0) && find_near(b, rotor, state, gap, step, x, f, s);
 }
 
 /* Add the openings at displacements x to the gaps. */
@@ -311,28 +303,27 @@ static inline void open_gaps(BendScratch *s, const double *x, double *gap)
         store(gap + j, add(load(gap + j), load(s->opened.at + j)));
 }
 
-/* Add the openings to the gaps after the correction by the contact forces of the active tips. */
-static inline void open_corrected(const BendScratch *s, const ContactScratch *c, int64_t size,
-                                  double *gap)
+/* Compute the openings with the contact forces of the group. */
+static inline void open_further(const BendScratch *s, const NodeScratch *c, int64_t size,
+                                double *opened)
 {
     int64_t wide = s->opens.columns;
     for (int64_t j = 0; j < wide; j += LANES) {
-        Lanes opened = load(s->opened.at + j);
+        Lanes sum = load(s->opened.at + j);
         for (int64_t n = 0; s->count.at[NEAR_TIPS] > 0 && n < size; n++)
-            opened = muladd(splat(c->multiplier.at[c->active.at[n]]),
-                            load(s->opens.at + n * wide + j), opened);
-        store(gap + j, add(load(gap + j), opened));
+            sum = muladd(splat(c->multiplier.at[n]), load(s->opens.at + n * wide + j), sum);
+        store(opened + j, sum);
     }
 }
 
-/* Compute the openings due to a unit force on an active tip, the nth, and add the change of its
+/* Compute the openings due to a unit force on a tip of the group, the nth, and add the change of its
  * column of W due to the gradients. `slides` is the friction coefficient times the direction of
  * sliding. */
-static void bend_answers(const Foreshortening *b, BendScratch *s, const ContactScratch *c,
+static void bend_answers(const Foreshortening *b, BendScratch *s, const NodeScratch *c,
                          int64_t n, int64_t size, double slides)
 {
     int64_t wide = s->factor.columns, terms = b->rows.rows, tips = s->near.size;
-    int64_t j = c->active.at[n], bent = s->near.at[j];
+    int64_t j = c->list.at[n], bent = s->near.at[j];
     const double *z_n = s->factor.at + j * wide;
     double *opens = s->opens.at + n * s->opens.columns;
     double *on_rotor = c->on_rotor.at + n * c->on_rotor.columns;
@@ -352,7 +343,7 @@ static void bend_answers(const Foreshortening *b, BendScratch *s, const ContactS
         opens[m] = total(sum);
     }
     for (int64_t i = 0; i < size; i++) {
-        int64_t m = c->active.at[i];
+        int64_t m = c->list.at[i];
         if (s->near.at[m] != 0)
             on_rotor[i] += opens[m];
         if (bent)
@@ -360,22 +351,22 @@ static void bend_answers(const Foreshortening *b, BendScratch *s, const ContactS
     }
 }
 
-/* Add the gradients of some tips with a force on each tip to `start`, or to zero if it is NULL, and
- * the response to this sum to x with Coriolis forces, unless x is NULL. Returns whether any of the
- * tips is near the wall. */
+/* Sum the gradients of some tips with a force on each of them, and add the response to this sum to x.
+ * Returns whether any of the tips is near the wall. */
 static int push_along(const Foreshortening *b, const int64_t *tip, int64_t size,
-                      const double *force, const double *start, double *x, BendScratch *s,
-                      double *out)
+                      const double *force, const double *c, double *x, BendScratch *s)
 {
     int64_t count = 0, width = s->gradient.columns;
     for (int64_t n = 0; n < size; n++)
         if (s->near.at[tip[n]] != 0) {
-            s->along.at[count] = force[tip[n]];
+            s->along.at[count] = force[n];
             s->pushed.at[count++] = tip[n];
         }
-    add_chosen(s->gradient.at, s->pushed.at, count, width, s->along.at, start, out);
-    if (b->answers.layers > 0 && x)
+    add_chosen(s->gradient.at, s->pushed.at, count, width, s->along.at, NULL, s->force.at);
+    if (b->answers.layers > 0)
         add_chosen(s->answer.at, s->pushed.at, count, width, s->along.at, x, x);
+    for (int64_t i = 0; count > 0 && b->answers.layers == 0 && i < width; i += LANES)
+        store(x + i, muladd(load(c + i), load(s->force.at + i), load(x + i)));
     return count > 0;
 }
 

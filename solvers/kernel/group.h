@@ -5,27 +5,13 @@
 #ifndef GROUP_H
 #define GROUP_H
 
-#include <stddef.h>
-
+#include "complementarity.h"
 #include "pieces.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */
 #define LEAST_SHARE 0.01        /* smallest share of a change of the directions that is made */
 
-/* Add the product of a vector and a matrix that is stored row by row. */
-static void add_rows(const double *factor, const double *matrix, int64_t rows, int64_t columns,
-                     double *out)
-{
-    for (int64_t i = 0; i < rows; i++) {
-        double f = factor[i];
-        const double *row = matrix + i * columns;
-        if (f != 0.0)
-            for (int64_t j = 0; j < columns; j++)
-                out[j] += f * row[j];
-    }
-}
-
-/* Compute W for the directions of sliding of a group: all columns, or those of nodes in contact. */
+/* Compute W for directions of sliding that follow the slip: all columns, or those of nodes in contact. */
 static void respond(const March *m, int64_t size, const double *multiplier)
 {
     NodeScratch *s = &m->scratch->nodes;
@@ -36,21 +22,23 @@ static void respond(const March *m, int64_t size, const double *multiplier)
             continue;
         const double *entry = s->compliance.at + DIRECTIONS * j, *d = s->direction.at + 2 * j;
         double across = friction * d[0], along = friction * d[1];
+        double *row = s->response.at + j * s->response.columns;
         for (int64_t i = 0; i < size; i++, entry += DIRECTIONS * width)
-            s->response.at[i * size + j] =
-                entry[RADIAL] + (entry[TANGENTIAL] * across + entry[AXIAL] * along);
+            row[i] = entry[RADIAL] + (entry[TANGENTIAL] * across + entry[AXIAL] * along);
     }
 }
 
-/* Compute W of the active nodes from that of the group; see `FillSystem`. */
-static void fill_group(const March *m, const Candidates *k, int64_t size)
+/* Compute the gaps with the contact forces from W. */
+static void close_gaps(const Candidates *k, double *after)
 {
-    const ContactScratch *c = &m->scratch->contact;
-    int64_t wide = (size + LANES - 1) / LANES * LANES;
-    for (int64_t n = 0; n < size; n++) {
-        double *column = c->system.at + n * c->system.columns;
-        for (int64_t i = 0; i < wide; i++)
-            column[i] = i < size ? k->response[c->active.at[i] * k->tips + c->active.at[n]] : 0.0;
+    int64_t width = k->response->columns;
+    for (int64_t i = 0; i < k->nodes; i++)
+        after[i] = k->gap[i];
+    for (int64_t h = 0; h < k->nodes; h += LANES) {
+        Lanes sum = load(after + h);
+        for (int64_t j = 0; j < k->nodes; j++)
+            sum = muladd(splat(k->multiplier[j]), load(k->response->at + j * width + h), sum);
+        store(after + h, sum);
     }
 }
 
@@ -58,22 +46,20 @@ static void fill_group(const March *m, const Candidates *k, int64_t size)
  * active set in `held`. Returns 0 without a solution. */
 static int solve_normal(const March *m, const Candidates *k)
 {
-    const int64_t *active = m->scratch->contact.active.at;
+    ContactScratch *c = &m->scratch->contact;
+    double *after = m->scratch->nodes.closed.at, scale = 0.0;
     int64_t trial = 1, joined = 1;
     int solved = 1;
-    double scale = 0.0;
-    for (int64_t i = 0; i < k->tips; i++)
-        scale = larger(scale, fabs(k->gap[i]));
     while (joined > 0) {
-        int64_t size = contact_multipliers(&trial, &solved, m, k, fill_group);
-        if (trial >= LAST_TRIAL)
+        int64_t size = contact_multipliers(&trial, &solved, k, c);
+        if (trial >= LAST_TRIAL || size == k->nodes)
             return solved;
+        for (int64_t i = 0; i < k->nodes; i++)
+            scale = larger(scale, fabs(k->gap[i]));
         joined = 0;
-        for (int64_t i = 0; i < k->tips; i++) {
-            double after = k->gap[i];
-            for (int64_t j = 0; j < size; j++)
-                after += k->response[i * k->tips + active[j]] * k->multiplier[active[j]];
-            if (k->held[i] > 0.0 || !(after < -1e-14 * scale))
+        close_gaps(k, after);
+        for (int64_t i = 0; i < k->nodes; i++) {
+            if (k->held[i] > 0.0 || !(after[i] < -1e-14 * scale))
                 continue;
             if (joined == 0 || trial <= MENDED_TOGETHER)
                 k->held[i] = 1.0;
@@ -157,17 +143,17 @@ static double slide_group(const March *m, int64_t size)
 {
     NodeScratch *s = &m->scratch->nodes;
     double *place = m->scratch->pieces.place.at;
-    int coated = m->stage.node_coating != NULL, solved = 1;
-    int turns = m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0;
+    int coated = m->stage.coating != NULL, full = m->stage.rotor->full > 0.0, solved = 1;
+    int turns = full && m->stage.numbers->friction > 0.0;
     double change = 1.0, share = 1.0;
-    Candidates nodes = {size, s->gap.at, s->held.at, s->multiplier.at, s->response.at};
+    Candidates nodes = {size, s->gap.at, s->held.at, s->multiplier.at, &s->response};
     for (int64_t i = 0; i < size; i++) {
-        s->held.at[i] =
-            s->gap.at[i] < 0.0 || (!coated && s->before.at[DIRECTIONS * i + RADIAL] < 0.0);
+        s->held.at[i] = s->gap.at[i] < 0.0 || (!coated && s->before.at[i] < 0.0);
         place[i] = s->gap.at[i];
     }
     for (int round = 0; round < MOST_DIRECTIONS && change > SAME_DIRECTION; round++) {
-        respond(m, size, round > 0 && !coated ? s->multiplier.at : NULL);
+        if (full)
+            respond(m, size, round > 0 && !coated ? s->multiplier.at : NULL);
         solved = (!coated && solve_normal(m, &nodes)) || solve_pieces(m, size);
         set_forces(m, size);
         change = turns ? turn_directions(m, size, &share, round) : 0.0;

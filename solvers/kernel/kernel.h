@@ -17,12 +17,12 @@ enum { ROWS = 4 };            /* number of rows of a block that are summed at a 
 enum { RUNNING, DIVERGED, FUSED }; /* status of a march */
 enum { CHECK_EVERY = 100 };   /* steps between checks of all but the radial tip displacements */
 
-/* Rows of forces and of nodal values: w, w', u, u' of the casing nodes, then forces on tips. */
-enum { W_KIND, W_SLOPE, U_KIND, U_SLOPE, PUSH, DRAG };
+/* Rows of forces and of nodal values of the casing nodes: w, w', u, u'. */
+enum { W_KIND, W_SLOPE, U_KIND, U_SLOPE, KINDS };
 /* Kinds of work; CLOSING is the part of NORMAL that stops tips as their gaps close. */
 enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, CLOSING, WORKS };
-/* Sums of the coating: work of its normal forces, removed volume, dissipated and stored energy. */
-enum { COATING_WORK, REMOVED, DISSIPATED, STORED, COATING_SUMS };
+/* Sums of the coating: removed volume, dissipated and stored energy. */
+enum { REMOVED, DISSIPATED, STORED, COATING_SUMS };
 /* Counts of a state: largest complementarity residual, steps with contact, steps with an unsolved
  * contact problem, contacts at the last step; the first unsolved step, and the impulse [N s] and the
  * worn volume [m3] of the unsolved steps. */
@@ -68,27 +68,44 @@ typedef struct {
                        * not zero, padded with -1 */
 } Body;
 
+/* Directions of the displacement of a contact node: radial, tangential, axial. */
+enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
+
+/* The bladed disk with its contact nodes, the ends of blades of beams among them. It consists of
+ * copies that do not influence each other; contact nodes follow copy by copy, and in a copy blade by
+ * blade. `components` are the displacements of the nodes of a copy, DIRECTIONS for each node;
+ * `blade_components` are those of the nodes of a blade.
+ *
+ * If all blades are equal, a component of a blade is a sum over harmonics: the modes are arranged in
+ * columns, which are cosines and sines of the harmonics at the blades. On any other bladed disk each
+ * copy has a row of modes, and its components are dense. */
 typedef struct {
     Body body;
-    Matrix radial;      /* (rows, columns) weights of u_r, for `shape` */
-    Matrix tangential;  /* (rows, columns) weights of the part of u_t that varies as `shape` */
-    Matrix crossed;     /* (rows, columns) weights of the part of u_t that varies as
-                         * `cross_shape` */
-    Matrix shape;       /* (sums, wide) value of each column at each tip */
-    Matrix cross_shape; /* (sums, wide) value of the partner column of each column at each tip; on a
-                         * dense rotor u_t of each mode */
-    Matrix fold;        /* (folded_tips, quarter_tips) `shape` on a quarter of the circle, see
+    int64_t copies;     /* number of copies */
+    int64_t half;       /* number of columns between cosine and sine, see `Arrangement`; 0 without
+                         * harmonics */
+    Matrix contact;     /* (components, modes) displacements of unit modal coordinates */
+    Cube columns;       /* (3, modes, nodes) the same by direction, transposed */
+    Cube own;           /* (blade_components, rows, columns) weight of each mode in its column */
+    Cube across;        /* (blade_components, rows, columns) weight in the partner column */
+    IntVector crosses;  /* (blade_components) 1 if weights in partner columns are not zero */
+    Cube answer;        /* (turning_components, rows, columns) response of the modes to forces in their
+                         * column within the step, with Coriolis forces; otherwise empty */
+    Cube answer_across; /* (turning_components, rows, columns) response to forces in the partner
+                         * column */
+    Matrix shape;       /* (sums, blades_wide) value of each column at each blade */
+    Matrix fold;        /* (folded_blades, quarter_blades) `shape` on a quarter of the circle, see
                          * `fold_field`, or empty */
-    Matrix spread;      /* (tips, columns) transpose of `shape` */
-    Matrix drag_spread; /* (tips, columns) distribution of friction: `spread` on a cyclic rotor,
-                         * otherwise the transpose of `cross_shape` */
-    int64_t half;       /* number of columns between partners, see `Arrangement`; 0 without */
-    int64_t shared;     /* 1 if friction and the normal force have the same distribution */
-    Cube w;             /* (3, tips, tips) r c (r + mu s t)^T for s = -1, 0, 1, by column */
-    Vector position;    /* (wide) angle of each tip in elements of the casing */
-    Vector recess;      /* (wide) gap of each tip at rest minus the clearance [m] */
-    Vector normal_part; /* (wide) part of radial lengths that is normal to the wall at each tip, on
+    Matrix spread;      /* (blades, columns) transpose of `shape` */
+    Cube compliance;    /* (copies, components, components) change of the displacements due to unit
+                         * forces within the step [m/N] */
+    Vector radius;      /* (wide) radius of each node [m] */
+    Vector position;    /* (wide) angle of each node in elements of the casing */
+    Vector recess;      /* (wide) gap of each node at rest minus the clearance [m] */
+    Vector normal_part; /* (wide) part of radial lengths that is normal to the wall at each node, on
                          * top of what the clearance contains */
+    double massless;    /* 1 if the nodes have no mass; forces then act in the next step */
+    double full;        /* 1 if friction is opposite to the slip velocity, otherwise it is tangential */
 } Rotor;
 
 /* A matrix over the modes of the rotor. On a cyclic rotor it consists of blocks R and X: from the
@@ -119,11 +136,6 @@ typedef struct {
                            * couples columns; otherwise empty */
     IntVector loss_end;   /* (entries) number of entries of each row of `full_loss` up to the last
                            * that is not zero */
-    Matrix normal;        /* (rows, columns) response to normal forces in the same column, on a
-                           * cyclic rotor; otherwise empty */
-    Matrix normal_across; /* (rows, columns) response to normal forces in the partner column */
-    Matrix shear;         /* (rows, columns) response to friction in the same column */
-    Matrix shear_across;  /* (rows, columns) response to friction in the partner column */
     Matrix circulation;   /* (fixed, entries) force of static dampers for a unit of `centre` */
     Matrix centre;        /* (fixed, entries) displacement of the centre that causes this force */
 } Gyroscopic;
@@ -149,8 +161,8 @@ typedef struct {
                             * `fold_field`, or empty */
     int64_t half;          /* number of columns between partners */
     int64_t shared;        /* 1 if all nodal values have the same shape */
-    Vector compliance;     /* (compliance) blocks of 4 x 4 for s = -1, 0, 1, see `delassus` */
-    int64_t spacing;       /* number of blocks between consecutive elements */
+    Vector compliance;     /* (compliance) tables of blocks of 4 x 4, see `compliance.h` */
+    int64_t spacing;       /* number of blocks of a table between consecutive elements */
     int64_t modes;         /* number of modes; 0 for a rigid wall */
     int64_t nodes;         /* number of nodes, which is also the number of elements */
     double element_length; /* arc length of an element [m] */
@@ -190,13 +202,10 @@ typedef struct {
     double angle_per_step;     /* rotation of the rotor in a step [rad] */
     double elements_per_step;  /* rotation of the rotor in a step, in casing elements */
     double friction;           /* friction coefficient mu */
-    double sliding;            /* sign of permanent sliding */
     double is_signed;          /* 1 if the direction of sliding follows from velocities */
+    double tip_rotation;       /* 1 if u_t / R is added to the angle of a node */
     double speed;              /* Omega [rad/s] */
-    double wheel_speed;        /* R Omega [m/s] */
-    double radius;             /* R [m] */
-    double elements_per_metre; /* casing elements per metre of u_t; 0 if u_t does not move tips */
-    double displacement_limit; /* limit of tip displacements, and of w of the casing [m] */
+    double displacement_limit; /* limit of displacements of nodes, and of w of the casing [m] */
     double gap_scale;          /* smallest reference length of the complementarity residual [m] */
     Matrix loads;              /* (patterns, 4) end, ramp, frequency, phase of each pattern */
 } Numbers;
@@ -209,32 +218,15 @@ typedef struct {
     double rate;   /* [1/s] */
 } Closure;
 
-/* Abradable coating of rods, numbered from the first node of the casing on. */
-typedef struct {
-    Matrix hermite;          /* (4, rods_wide) Hermite weights at the middle of each rod: w, w', w,
-                              * w' */
-    IntVector element;       /* (rods) element of the casing of each rod */
-    IntVector until;         /* (rods) first rod of the next element */
-    Vector half;             /* (tips) half of the footprint of each tip, in rods */
-    double rods_per_element; /* number of rods on an element, which need not be whole */
-    double area;             /* area of a rod [m2] */
-    double thickness;        /* thickness h [m] */
-    double young_modulus;    /* E [Pa] */
-    double yield_stress;     /* s_y [Pa] */
-    double hardening;        /* H, slope in plastic strain [Pa] */
-    double limit;            /* largest plastic strain */
-    double friction;         /* friction coefficient */
-} Coating;
-
 /* Quadratic forms of the distances by which tips draw back, 1/2 sum_i s_i y_i^2 with y = F x; see
  * `foreshortening.h`. A pair is n tips + m for a force on tip n and its effect on tip m. */
 typedef struct {
     Cube rows;      /* (tips, terms, entries) rows F of each tip */
     Cube answers;   /* (answered, terms, entries) A^-1 F^T with Coriolis forces; otherwise empty */
-    Cube own;       /* (waves, rows, columns) weights of the part of y that varies as `shape`, for each
-                     * term, on a cyclic rotor; otherwise empty */
-    Cube across;    /* (waves, rows, columns) weights of the part that varies as `cross_shape` */
-    Matrix spread;  /* (tips, twice_columns) transposes of `shape` and of `cross_shape` */
+    Cube own;       /* (waves, rows, columns) weight of each mode in its column, for each term, if the
+                     * terms of all blades are equal; otherwise empty */
+    Cube across;    /* (waves, rows, columns) weight in the partner column */
+    Matrix spread;  /* (tips, twice_columns) value of each column and of its partner at each tip */
     Matrix sign;    /* (tips, term_lanes) signs s */
     Cube by_push;   /* (tips, tips, term_lanes) F_m A^-1 n_n */
     Cube by_drag;   /* (tips, tips, term_lanes) F_m A^-1 t_n */
@@ -246,29 +238,10 @@ typedef struct {
     int64_t check;  /* number of steps between checks of all openings */
 } Foreshortening;
 
-/* Directions of the displacement of a contact node: radial, tangential, axial. */
-enum { RADIAL, TANGENTIAL, AXIAL, DIRECTIONS };
-
-/* Contact nodes, which are tips whose contact forces have three directions, see `nodes.h`. The rotor
- * consists of copies, and has a row of entries for each copy. `components` is DIRECTIONS times the
- * nodes of a copy. */
+/* Abradable coating: rods in tracks, see `rods.h`. */
 typedef struct {
-    Matrix contact;    /* (components, modes) P: displacements of unit modal coordinates */
-    Matrix columns;    /* (modes, components) transpose of `contact` */
-    Matrix normal;     /* (modes, nodes) radial columns of `columns` */
-    Cube compliance;   /* (copies, components, components) change of the displacements due to unit
-                        * forces within the step [m/N] */
-    Vector radius;     /* (nodes) radius of each node [m] */
-    Matrix response;   /* (nodal, nodal) change of w, w', u, u' of each casing node, the first again
-                        * at the end, due to unit forces within the step; empty for a rigid wall */
-    double massless;   /* 1 if the nodes have no mass; forces then act in the next step */
-    double full;       /* 1 if friction is opposite to the slip velocity, 0 if tangential */
-} Nodes;
-
-/* Abradable coating under contact nodes: rods in tracks, see `rods.h`. */
-typedef struct {
-    Vector half;          /* (nodes) half of the footprint of each node of a copy, in rods */
-    IntVector track;      /* (nodes) track of each node of a copy */
+    Vector half;          /* (tips) half of the footprint of each node, in rods */
+    IntVector track;      /* (tips) track of each node */
     Vector area;          /* (tracks) area of a rod of each track [m2] */
     int64_t rods;         /* number of rods of a track */
     double steepest;      /* largest slope of a rigid wall and of the closure by the angle [m] */
@@ -277,7 +250,7 @@ typedef struct {
     double yield_stress;  /* s_y [Pa] */
     double hardening;     /* H, slope in plastic strain [Pa] */
     double limit;         /* largest plastic strain */
-} NodeCoating;
+} Coating;
 
 /* Numbers of a piece of the speed over time: start [s], and what is added by the change of the speed:
  * angle at the start [rad], and speed as a polynomial in the time since the start. */
@@ -345,18 +318,17 @@ typedef struct {
     Vector impulse;  /* (tips) normal impulse since the last record [N s] */
     Vector drag;     /* (tips) friction impulse since the last record [N s] */
     Vector touched;  /* (tips) steps with contact since the last record */
-    Vector held;     /* (tips) 1 for tips in contact at the last step, otherwise 0 */
     Matrix gaps;     /* (2, tips) gaps at the last two steps, row by parity of the step [m] */
     Vector work;     /* (6) works since the start: EXTERNAL ... [J] */
     Vector counts;   /* (7) RESIDUAL ... */
-    Matrix strain;   /* (tracks, rods_wide) plastic strain of each rod of the coating */
-    Vector coating;  /* (coating_sums) COATING_WORK ... [J, m3] */
+    Matrix strain;   /* (tracks, rods) plastic strain of each rod of the coating */
+    Vector coating;  /* (coating_sums) REMOVED ... [J, m3] */
     Vector coating_impulse; /* (coated_tips) part of `impulse` on the coating [N s] */
     Matrix bend;     /* (bent_tips, term_lanes) y at the linearisation of each tip [m^1/2] */
-    Vector axial;    /* (node_tips) axial friction impulse since the last record [N s] */
-    Matrix force;    /* (node_copies, components) contact forces at step n [N] */
-    Matrix direction; /* (node_copies, twice_nodes) tangential and axial part of the direction of
-                       * sliding of each node */
+    Vector axial;    /* (tips) axial friction impulse since the last record [N s] */
+    Matrix force;    /* (copies, components) contact forces at step n [N] */
+    Matrix direction; /* (copies, twice_nodes) tangential and axial part of the direction of sliding
+                       * of each node */
     Vector drive;    /* (drive_numbers) DRIVE_BEFORE ... of a free speed */
     Vector until;    /* (bent_tips) last step of the linearisation of each tip */
     Matrix checked;  /* (3, bent_wide) opening at the last check, and its first and second
@@ -374,8 +346,8 @@ typedef struct {
     Matrix gap;             /* (records, tips) smallest gap */
     Matrix impulse;         /* (records, tips) normal impulse */
     Matrix drag;            /* (records, tips) friction impulse */
-    Matrix axial;           /* (records, node_tips) axial friction impulse */
-    Matrix force;           /* (records, all_components) contact forces on nodes */
+    Matrix axial;           /* (records, tips) axial friction impulse */
+    Matrix force;           /* (records, all_components) contact forces */
     Matrix touched;         /* (records, tips) steps with contact */
     Vector contacts;        /* (records) number of tips in contact */
     Vector energy;          /* (records) energy half a step before the record [J] */
@@ -388,163 +360,6 @@ typedef struct {
                              * which `energy` lacks, of a free speed [J] */
 } Records;
 
-typedef struct {
-    Vector rotor;       /* (sums) sums by column of the rotor */
-    Vector value;       /* (sums) sums by column for the nodal values of the casing */
-    Vector slope;       /* (sums) sums by column for the nodal slopes of the casing */
-    Matrix nodal;       /* (2, closed) nodal values and slopes of the field of the casing, node 0
-                         * repeated */
-    Matrix moved;       /* (2, entries) displacement in a step, of rotor and casing */
-    Vector at;          /* (wide) position of each tip in elements */
-    IntVector element;  /* (tips) element under each tip */
-    Matrix hermite;     /* (4, wide) Hermite weights of each tip on its element: w, w', w, w' */
-    Vector recess;      /* (wide) recess of each tip minus the closure above it [m] */
-    Vector radial;      /* (closed_tips) radial displacement of each tip [m]; unused entries follow */
-    Vector tangential;  /* (wide) tangential displacement of each tip [m] */
-    Vector other;       /* (wide) scratch */
-    Vector free_gap;    /* (wide) gap without contact forces [m] */
-    Vector gap;         /* (wide) gap after the correction by contact forces [m] */
-} FieldScratch;
-
-typedef struct {
-    Vector sign;       /* (tips) direction of sliding */
-    Vector multiplier; /* (tips) normal contact force [N] */
-    IntVector active;  /* (tips) tips of the active set */
-    IntMatrix known;   /* (2, solved) tips and directions of sliding for which `on_rotor` is valid */
-    Matrix on_rotor;   /* (solved, solved_wide) part of W due to the rotor, for the active tips, by column */
-    Vector ends;       /* (ends) Hermite weights by active tip */
-    Matrix system;     /* (bordered, solved_wide) W by column, then a right-hand side */
-    Matrix others;     /* (solved, solved_wide) 1 off the diagonal, 0 on it */
-    Vector diagonal;   /* (tips) W_jj of the active tips */
-    Vector solution;   /* (solved) solution of the linear system */
-    Matrix tableau;    /* (solved, tableau) tableau of Lemke's method */
-    IntVector basis;   /* (solved) basic variables of Lemke's method */
-    IntVector rows;    /* (twice_wide) numbers of the rows in a product */
-    Matrix factor;     /* (6, twice_wide) factors of these rows */
-    Matrix columns;    /* (6, sums) forces by column: casing w, w', u, u', rotor normal, friction */
-    Vector work;       /* (2) work of the contact forces in this step [J] */
-} ContactScratch;
-
-typedef struct {
-    Matrix rotor;   /* (2, waves) waves of the rotor at the last two steps; row by parity of step */
-    Matrix casing;  /* (2, waves) waves of the casing at the last two steps */
-    Matrix stretch; /* (4, waves) stretch by angle and displacement, see `stretch_springs` */
-    Matrix force;   /* (2, waves) forces on the waves of rotor and casing */
-} SpringScratch;
-
-typedef struct {
-    Vector push;     /* (coated_tips) force of the coating on each tip [N] */
-    Vector sums;     /* (coating_sums) changes of the sums in this step */
-    Matrix on_nodes; /* (4, closed_coating) forces on casing nodes: w, w', u, u' */
-    Matrix rotor;    /* (2, coated_rotor) modal forces on the rotor: normal, friction */
-    Matrix casing;   /* (2, coated_casing) modal forces on the casing: normal, friction */
-} CoatingScratch;
-
-/* Counts of foreshortening: tips near the wall, steps since the last check of all openings, and steps
- * since the last beginning of a linearisation. */
-enum { NEAR_TIPS, SINCE_CHECK, SINCE_HOLD };
-
-typedef struct {
-    Matrix factor;   /* (bent_tips, term_lanes) z = s y of tips near the wall, zero for others */
-    Matrix gradient; /* (bent_tips, bent_entries) g = F^T z of tips near the wall */
-    Matrix answer;   /* (answered_tips, bent_entries) A^-1 g with Coriolis forces */
-    Cube bend;       /* (2, term_lanes, bent_wide) y of all tips, and its change in a step */
-    Vector term;     /* (term_lanes) scratch */
-    Vector other;    /* (bent_wide) scratch */
-    Vector sums;     /* (sums) sums by column of the rotor */
-    Vector start;    /* (bent_tips) opening of tips near the wall at x = 0 [m] */
-    Vector due;      /* (bent_wide) gap without foreshortening below which a tip needs a
-                      * linearisation [m] */
-    Vector opened;   /* (bent_wide) opening of each tip without contact forces [m] */
-    Matrix opens;    /* (bent_tips, bent_wide) change of the openings of tips near the wall due to a
-                      * unit force on each active tip [m/N] */
-    Vector along;    /* (bent_tips) scratch */
-    Vector expected; /* (bent_entries) displacement at the linearisation */
-    Vector force;    /* (bent_entries) sum of the gradients with the contact forces */
-    IntVector near;   /* (bent_tips) 1 for tips near the wall, otherwise 0 */
-    IntVector list;  /* (bent_tips) tips near the wall */
-    IntVector count; /* (3) NEAR_TIPS ... */
-    IntVector pushed; /* (bent_tips) tips near the wall that are in contact */
-} BendScratch;
-
-/* Working arrays of contact nodes. `group` is the largest number of nodes that are solved together;
- * arrays of a group have a place for each of its nodes, see `group.h`. */
-typedef struct {
-    Vector modal;      /* (modes) modal forces or changes of a copy */
-    Vector moved;      /* (components) displacements of a copy in the step */
-    Vector further;    /* (components) scratch */
-    Matrix force;      /* (node_copies, components) contact forces at step n + 1 */
-    Matrix slip;       /* (node_copies, components) displacements in the step relative to those of the
-                        * last contact forces, without new ones */
-    Vector free;       /* (node_casing) y_{n+1} without contact forces */
-    Vector change;     /* (node_casing) change of y in the step */
-    Vector along;      /* (wide) tangential displacement of the casing under each node in the step */
-    IntVector listed;  /* (node_tips) 1 for nodes of the group */
-    IntVector list;    /* (group) numbers of the nodes of the group */
-    Vector radius;     /* (group) */
-    Vector gap;        /* (group) gaps without contact, then with it */
-    Vector before;     /* (group_components) forces at step n */
-    Vector slide;      /* (group_components) displacements in the step relative to the wall */
-    Vector group_force; /* (group_components) forces at step n + 1 */
-    Vector direction;  /* (twice_group) direction of sliding */
-    Matrix compliance; /* (group_components, group_components) */
-    Vector closed;     /* (group) gaps with contact */
-    Vector miss;       /* (twice_group) difference between the directions of slip and of sliding */
-    Vector multiplier; /* (group) normal forces */
-    Matrix response;   /* (group, group) change of the gaps due to unit normal forces with their
-                        * friction */
-    Vector held;       /* (group) 1 for active nodes */
-    IntVector stuck;   /* (group) 1 for nodes that stick, see `sticking.h` */
-    Matrix whole;      /* (group_components, group_components) `compliance` with tangential forces */
-    Vector whole_slide; /* (group_components) `slide` without them */
-    Vector whole_gap;  /* (group) `gap` without contact forces */
-} NodeScratch;
-
-/* Working arrays of a coating, for all contact nodes and for the nodes of a group. */
-typedef struct {
-    IntVector near;   /* (coated_nodes) 1 for nodes whose rods are known, 2 for nodes that touch
-                       * them */
-    IntMatrix range;  /* (coated_nodes, 2) first and last rod under each node */
-    Matrix offset;    /* (coated_nodes, under) wall at each of these rods, less the wall at the
-                       * node */
-} RodScratch;
-
-/* Working arrays of the forces of a group, see `pieces.h`. */
-typedef struct {
-    Vector place;  /* (group) place of each node on its curve of gap and force */
-    Vector force;  /* (group) force at this place [N] */
-    Vector slope;  /* (group) its decrease with the place [N/m] */
-    Vector open;   /* (group) 1 if the place is a gap, 0 if the node touches the metal */
-    Vector low;    /* (group) kink below the place */
-    Vector high;   /* (group) kink above the place */
-    Matrix system; /* (group, bordered_group) equations of an iteration */
-} PieceScratch;
-
-/* Working arrays of a speed that varies. */
-typedef struct {
-    Vector stiffened; /* (spun) product of `stiffening` and x_n */
-    Vector stiffened4; /* (spun4) product of `stiffening4` and x_n */
-    Vector force;     /* (spun) force due to the change of the speed */
-    Vector input;     /* (spun) scratch */
-    Vector coupled;   /* (spun_drive) G x_n + b of a free speed */
-} SpeedScratch;
-
-typedef struct {
-    FieldScratch fields;
-    ContactScratch contact;
-    SpringScratch springs;
-    CoatingScratch coating;
-    BendScratch bending;
-    NodeScratch nodes;
-    RodScratch rods;
-    PieceScratch pieces;
-    SpeedScratch speed;
-    Vector turned;          /* (rotor_entries) modal forces on the rotor */
-    Vector amplitude;       /* (patterns) factor of each load pattern */
-    Vector stroke;          /* (dampers) displacement of each damper in two steps */
-    Matrix damper_force;    /* (2, dampers) forces phi on rotor and casing */
-} Scratch;
-
 /* Constants of a march. NULL stands for an option that a march does not have. */
 typedef struct {
     const Rotor *rotor;
@@ -555,8 +370,6 @@ typedef struct {
     const Closure *closure;       /* or NULL */
     const Coating *coating;       /* or NULL */
     const Foreshortening *foreshortening; /* or NULL */
-    const Nodes *nodes;           /* or NULL */
-    const NodeCoating *node_coating; /* or NULL */
     const Speed *speed;           /* or NULL */
     const Drive *drive;           /* or NULL */
     const Fuse *fuse;             /* or NULL */
@@ -567,7 +380,10 @@ typedef struct {
  * step and on return, row 0 of the state is x_{n-1} and row 1 is x_n. Returns RUNNING, DIVERGED or FUSED;
  * `reached` gets the number of the last step and the number of records. On divergence, the last
  * state within the displacement limit is recorded, with a backward difference as its velocity. */
-int march(const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,
+int march(const Stage *stage, State *state, Records *records, Vector scratch, int64_t step,
           int64_t steps, int64_t record_every, int64_t *reached);
+
+/* Return the number of doubles of the working arrays of a march. */
+int64_t scratch_size(const Stage *stage, const State *state);
 
 #endif

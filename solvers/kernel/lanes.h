@@ -154,6 +154,19 @@ static inline double dot(const double *a, const double *b, int64_t size)
     return total(sum) + rest;
 }
 
+/* Add the product of a vector and a matrix that is stored row by row. */
+static inline void add_rows(const double *factor, const double *matrix, int64_t rows, int64_t columns,
+                            double *out)
+{
+    for (int64_t i = 0; i < rows; i++) {
+        double f = factor[i];
+        const double *row = matrix + i * columns;
+        if (f != 0.0)
+            for (int64_t j = 0; j < columns; j++)
+                out[j] += f * row[j];
+    }
+}
+
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
 static inline double smaller(double a, double b) { return a < b ? a : b; }

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "lanes.h"
+#include "scratch.h"
 
 /* Return a product rounded to double. Without this function, GCC 12 fuses a difference of products
  * next to a sum of products in spite of -ffp-contract=off (its SLP pass makes a vfmaddsub). */
@@ -27,7 +27,6 @@ typedef struct {
     double angle[2];     /* psi at n - 1 and at n [rad] */
     double elements;     /* psi at n + 1, in casing elements */
     double speed;        /* Omega at n + 1 [rad/s] */
-    double wheel_speed;  /* R Omega at n + 1 [m/s] */
     double circulation;  /* Omega at n divided by the speed of the arrays of `Gyroscopic` */
     double square[2];    /* Omega^2 at n - 1 and at n, less that of the stiffness [rad2/s2] */
     double grown;        /* change of the latter since the prediction of a free speed [rad2/s2] */
@@ -48,7 +47,9 @@ typedef struct {
     Motion x, y; /* motion of rotor and of casing */
     Rotation rotation;
     int loaded;  /* whether any load acts at this step */
-    int coated;  /* whether any tip touches the coating at this step */
+    int held;    /* whether any node may have a contact force at step n */
+    int pushed;  /* whether any node may have a contact force at step n + 1 */
+    int drawn;   /* whether contact forces act on tips that draw back, see `foreshortening.h` */
 } March;
 
 static inline Motion motion_of(const Matrix *state)

@@ -5,13 +5,14 @@
  *     q_{n+1} = a q_n + b q_{n-1} + c (loads + P^T f).
  *
  * If the contact nodes have no mass, f is the contact force at step n, and C is the residual
- * flexibility. Otherwise f is the contact force at step n + 1, as for tips of beams (`march.c`), and
- * C = P c P^T. In both cases the contact forces at step n + 1 close the gaps by C only:
+ * flexibility. Otherwise f is the contact force at step n + 1, and C = P c P^T. In both cases the
+ * contact forces at step n + 1 close the gaps by C only:
  *
  *     0 <= lambda  perp  g = g_free + W lambda >= 0,      W = C_rr + mu (C_rt d_t + C_ra d_a)
  *
  * with the direction of sliding (d_t, d_a) of each node. With full sliding it is the direction of
- * the slip velocity at the end of the step, which depends on the forces: a fixed point.
+ * the slip velocity at the end of the step, which depends on the forces: a fixed point. Otherwise it
+ * is that of the rotation, or that of the tangential motion in the last step.
  *
  * In a rigid wall each copy is solved separately. In a flexible casing all nodes that may touch are
  * solved together: the casing keeps its mass, and its response to forces within the step, H c H^T
@@ -25,467 +26,527 @@
 #ifndef NODES_H
 #define NODES_H
 
-#include "sticking.h"
-
-
-/* Return the modal coordinates of a copy in an array of all modes of the rotor. */
-static inline int64_t first_mode(const March *m, int64_t copy)
-{
-    return copy * (m->x.entries / m->stage.nodes->compliance.layers);
-}
+#include "compliance.h"
 
 /* Return whether any node of a copy has a contact force. */
-static int is_pushed(const Nodes *nodes, const double *force, int64_t copy)
+static int is_pushed(const Rotor *rotor, const double *force, int64_t copy)
 {
-    int64_t width = nodes->contact.rows;
+    int64_t width = rotor->compliance.rows;
     for (int64_t i = copy * width; i < (copy + 1) * width; i += DIRECTIONS)
         if (force[i] < 0.0)
             return 1;
     return 0;
 }
 
-/* Compute the modal forces on a copy due to contact forces on its nodes. */
-static void modal_forces(const March *m, int64_t copy, const double *force)
+/* Let copies be wanted that have a contact force. Returns whether there are any. */
+static int want_pushed(const March *m, const double *force)
 {
-    const Nodes *nodes = m->stage.nodes;
-    int64_t width = nodes->contact.rows, modes = nodes->contact.columns;
-    double *modal = m->scratch->nodes.modal.at;
-    for (int64_t i = 0; i < modes; i++)
-        modal[i] = 0.0;
-    add_rows(force + copy * width, nodes->contact.at, width, modes, modal);
+    int64_t any = 0, *wanted = m->scratch->nodes.wanted.at;
+    for (int64_t copy = 0; copy < m->stage.rotor->copies; copy++)
+        any |= wanted[copy] = is_pushed(m->stage.rotor, force, copy);
+    return (int)any;
+}
+
+/* Let the copies of the nodes of the list be wanted. */
+static void want_listed(const March *m, int64_t size)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    int64_t copies = m->stage.rotor->copies, count = s->listed.size / copies;
+    for (int64_t copy = 0; copy < copies; copy++)
+        s->wanted.at[copy] = copies == 1;
+    for (int64_t i = 0; i < size && copies > 1; i++)
+        s->wanted.at[s->list.at[i] / count] = 1;
+}
+
+/* Return the work of forces in a direction on the wanted copies for a component of displacements. */
+static double work_of(const March *m, int direction, const double *force, const double *moved)
+{
+    int64_t copies = m->stage.rotor->copies, count = m->stage.rotor->compliance.rows / DIRECTIONS;
+    double sum = 0.0;
+    for (int64_t copy = 0; copy < copies; copy++)
+        for (int64_t n = copy * count; m->scratch->nodes.wanted.at[copy] && n < (copy + 1) * count; n++)
+            sum += force[DIRECTIONS * n + direction] * moved[n];
+    return sum;
+}
+
+/* Add a component of the displacements due to forces and the compliance of the nodes. */
+static void add_flexible(const Rotor *rotor, int64_t direction, const double *force, double factor,
+                         double *out)
+{
+    int64_t width = rotor->compliance.rows, count = width / DIRECTIONS;
+    for (int64_t copy = 0; copy < rotor->copies; copy++) {
+        const double *row = rotor->compliance.at + (copy * width + direction) * width;
+        if (!is_pushed(rotor, force, copy))
+            continue;
+        for (int64_t i = 0; i < count; i++, row += DIRECTIONS * width)
+            out[copy * count + i] += factor * dot(row, force + copy * width, width);
+    }
+}
+
+/* Store the change of the displacements of a body. */
+static void store_change(Motion x, const double *from, double *out)
+{
+    for (int64_t i = 0; i < x.entries; i += LANES)
+        store(out + i, sub(load(x.new + i), load(from + i)));
 }
 
 /* Add the response to the contact forces on massless nodes at step n. */
 static void add_node_forces(const March *m)
 {
-    const Nodes *nodes = m->stage.nodes;
-    const double *modal = m->scratch->nodes.modal.at, *c = m->stage.rotor->body.c.at;
-    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++) {
-        if (!is_pushed(nodes, m->state->force.at, copy))
-            continue;
-        modal_forces(m, copy, m->state->force.at);
-        int64_t first = first_mode(m, copy);
-        for (int64_t i = 0; i < nodes->contact.columns; i++)
-            m->x.new[first + i] += c[first + i] * modal[i];
+    const double *force = m->state->force.at;
+    NodeScratch *s = &m->scratch->nodes;
+    int64_t size = 0;
+    if (!m->held || !want_pushed(m, force))
+        return;
+    if (m->stage.rotor->half == 0) {
+        push_copies(m, force, m->x.new);
+        return;
     }
-}
-
-/* Add the response of the modes of a copy to the contact forces at step n + 1. */
-static void push_copy(const March *m, int64_t copy)
-{
-    const Gyroscopic *g = m->stage.gyroscopic;
-    const double *modal = m->scratch->nodes.modal.at, *c = m->stage.rotor->body.c.at;
-    int64_t modes = m->stage.nodes->contact.columns, first = first_mode(m, copy);
-    double *new = m->x.new + first;
-    modal_forces(m, copy, m->scratch->nodes.force.at);
-    if (g)
-        add_full(&g->inverse, copy, modes, modal, new, new);
-    else
-        for (int64_t i = 0; i < modes; i++)
-            new[i] += c[first + i] * modal[i];
-}
-
-/* Compute the displacements of the nodes of a copy due to a change of its modal coordinates. */
-static void move_nodes(const March *m, int64_t copy, const double *from, double factor, double *out)
-{
-    const Nodes *nodes = m->stage.nodes;
-    int64_t modes = nodes->contact.columns, width = nodes->contact.rows;
-    int64_t first = first_mode(m, copy);
-    double *change = m->scratch->nodes.modal.at;
-    for (int64_t i = 0; i < modes; i++)
-        change[i] = factor * (m->x.new[first + i] - from[first + i]);
-    for (int64_t i = 0; i < width; i++)
-        out[i] = 0.0;
-    add_rows(change, nodes->columns.at, modes, width, out);
+    for (int64_t n = 0; n < s->listed.size; n++)
+        if (force[DIRECTIONS * n + RADIAL] < 0.0)
+            s->list.at[size++] = n;
+    double ignored[2];
+    push_blades(m, size, NULL, force, m->x.now, m->x.new, ignored);
 }
 
 /* Find the element under each node and its Hermite weights at x_{n+1}. The angle of a node follows
  * its tangential displacement if that of tips does; contact forces are those of step n. */
-static void place_nodes(const March *m, double turned)
+static void place_nodes(const March *m)
 {
-    const Nodes *nodes = m->stage.nodes;
+    const Rotor *rotor = m->stage.rotor;
     const Casing *casing = m->stage.casing;
     FieldScratch *f = &m->scratch->fields;
-    double *moved = m->scratch->nodes.moved.at, elements = (double)casing->nodes / (2.0 * PI);
-    int64_t count = nodes->radius.size, width = nodes->contact.rows;
-    const double *places = m->stage.rotor->position.at;
-    for (int64_t n = 0; n < f->element.size; n++)
-        f->at.at[n] = places[n];
-    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++) {
-        if (m->stage.numbers->elements_per_metre == 0.0)
-            break;
-        for (int64_t i = 0; i < width; i++)
-            moved[i] = 0.0;
-        add_rows(m->x.new + first_mode(m, copy), nodes->columns.at, nodes->contact.columns, width,
-                 moved);
-        if (nodes->massless > 0.0)
-            add_rows(m->state->force.at + copy * width,
-                     nodes->compliance.at + copy * width * width, width, width, moved);
-        for (int64_t i = 0; i < count; i++)
-            f->at.at[copy * count + i] +=
-                elements * moved[DIRECTIONS * i + TANGENTIAL] / nodes->radius.at[i];
+    const double *places = rotor->position.at;
+    double *moved = f->moved.at, elements = (double)casing->nodes / (2.0 * PI);
+    if (m->stage.numbers->tip_rotation > 0.0) {
+        node_field(rotor, TANGENTIAL, m->x.new, NULL, f, moved);
+        if (rotor->massless > 0.0 && m->held)
+            add_flexible(rotor, TANGENTIAL, m->state->force.at, 1.0, moved);
+        for (int64_t n = 0; n < f->element.size; n++)
+            f->at.at[n] = places[n] + elements * moved[n] / rotor->radius.at[n];
+        places = f->at.at;
     }
-    hermite_weights(f->at.at, turned, (double)casing->nodes, casing->element_length,
+    hermite_weights(places, m->rotation.elements, (double)casing->nodes, casing->element_length,
                     f->element.size, f->hermite.columns, f->element.at, f->hermite.at);
+}
+
+/* Compute the gaps of radial displacements from the sums of w and w' by column. Returns whether all
+ * displacements are within the limit. */
+static int find_gaps(const March *m, const double *radial, const double *recess, double *gap)
+{
+    const Casing *casing = m->stage.casing;
+    FieldScratch *f = &m->scratch->fields;
+    const double *part = m->stage.rotor->normal_part.at;
+    double limit = m->stage.numbers->displacement_limit;
+    int64_t within = 0, count = f->element.size;
+    if (!field_at_nodes(nodal_field(casing, &casing->radial, f), f, gap))
+        return 0;
+    for (int64_t n = 0; n < count; n++) {
+        gap[n] = gap[n] * part[n] + (recess[n] - radial[n]);
+        within += fabs(radial[n]) <= limit; /* 0 for NaN */
+    }
+    return within == count;
 }
 
 /* Compute the gaps without contact forces of this step. Returns whether displacements are within the
  * limit. */
-static int find_node_gaps(const March *m, const double *recess)
+static int find_free_gaps(const March *m, const double *recess)
 {
-    const Nodes *nodes = m->stage.nodes;
-    const Casing *casing = m->stage.casing;
+    const NodalField *field = &m->stage.casing->radial;
     FieldScratch *f = &m->scratch->fields;
-    int64_t count = nodes->radius.size, within = 1, tips = f->element.size;
-    for (int64_t n = 0; n < tips; n++)
-        f->radial.at[n] = 0.0;
-    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++)
-        add_rows(m->x.new + first_mode(m, copy), nodes->normal.at, nodes->contact.columns, count,
-                 f->radial.at + copy * count);
-    column_sums(&casing->radial.weight, m->y.new, casing->radial.half, f->value.at);
-    column_sums(&casing->radial.slope_weight, m->y.new, casing->radial.slope_half, f->slope.at);
-    if (!field_at_tips(nodal_field(casing, &casing->radial, f), f, f->free_gap.at))
-        return 0;
-    for (int64_t n = 0; n < tips; n++) {
-        f->free_gap.at[n] *= m->stage.rotor->normal_part.at[n];
-        f->free_gap.at[n] += recess[n] - f->radial.at[n];
-        within &= fabs(f->radial.at[n]) <= m->stage.numbers->displacement_limit; /* 0 for NaN */
-    }
-    return (int)within;
+    node_field(m->stage.rotor, RADIAL, m->x.new, NULL, f, f->radial.at);
+    column_sums(&field->weight, m->y.new, field->half, f->value.at);
+    column_sums(&field->slope_weight, m->y.new, field->slope_half, f->slope.at);
+    return find_gaps(m, f->radial.at, recess, f->free_gap.at);
 }
 
-/* Return whether the displacements of all nodes at x_{n+1}, in each direction, are within the
- * limit. */
-static int nodes_keep_limit(const March *m)
+/* Return whether the displacements of all nodes at x_{n+1}, in each direction, and the radial ones of
+ * the casing are within the limit. */
+static int keeps_limit(const March *m)
 {
-    const Nodes *nodes = m->stage.nodes;
-    NodeScratch *s = &m->scratch->nodes;
-    int64_t width = nodes->contact.rows;
+    const Rotor *rotor = m->stage.rotor;
+    const Casing *casing = m->stage.casing;
+    FieldScratch *f = &m->scratch->fields;
+    double limit = m->stage.numbers->displacement_limit;
     int within = 1;
-    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++) {
-        for (int64_t i = 0; i < width; i++)
-            s->moved.at[i] = 0.0;
-        add_rows(m->x.new + first_mode(m, copy), nodes->columns.at, nodes->contact.columns, width,
-                 s->moved.at);
-        if (nodes->massless > 0.0 && is_pushed(nodes, s->force.at, copy))
-            add_rows(s->force.at + copy * width, nodes->compliance.at + copy * width * width, width,
-                     width, s->moved.at);
-        for (int64_t i = 0; i < width; i++)
-            within &= fabs(s->moved.at[i]) <= m->stage.numbers->displacement_limit;
+    for (int64_t i = 0; casing->modes > 0 && i < casing->nodes; i++)
+        within &= fabs(f->nodal.at[i] - casing->radial.start.at[i]) <= limit;
+    for (int direction = 0; direction < DIRECTIONS; direction++) {
+        node_field(rotor, direction, m->x.new, NULL, f, f->moved.at);
+        if (rotor->massless > 0.0)
+            add_flexible(rotor, direction, m->scratch->nodes.force.at, 1.0, f->moved.at);
+        for (int64_t n = 0; n < f->element.size; n++)
+            within &= fabs(f->moved.at[n]) <= limit;
     }
     return within;
 }
 
-/* Compute the displacements of the nodes of a copy in the step, relative to those of the last contact
+/* Compute the displacements of the wanted copies in the step, relative to those of the last contact
  * forces and without new ones. */
-static void slip_nodes(const March *m, int64_t copy)
+static void slip_nodes(const March *m)
 {
-    const Nodes *nodes = m->stage.nodes;
+    const Rotor *rotor = m->stage.rotor;
     NodeScratch *s = &m->scratch->nodes;
-    int64_t width = nodes->contact.rows;
-    double *slip = s->slip.at + copy * width;
-    move_nodes(m, copy, m->x.now, 1.0, slip);
-    if (!(nodes->massless > 0.0) || !is_pushed(nodes, m->state->force.at, copy))
-        return;
-    for (int64_t i = 0; i < width; i++)
-        s->further.at[i] = 0.0;
-    add_rows(m->state->force.at + copy * width, nodes->compliance.at + copy * width * width, width,
-             width, s->further.at);
-    for (int64_t i = 0; i < width; i++)
-        slip[i] -= s->further.at[i];
+    FieldScratch *f = &m->scratch->fields;
+    store_change(m->x, m->x.now, f->change.at);
+    for (int direction = 0; direction < DIRECTIONS; direction++) {
+        node_field(rotor, direction, f->change.at, &s->wanted, f, f->moved.at);
+        if (rotor->massless > 0.0 && m->held)
+            add_flexible(rotor, direction, m->state->force.at, -1.0, f->moved.at);
+        for (int64_t n = 0; n < f->element.size; n++)
+            s->slip.at[DIRECTIONS * n + direction] = f->moved.at[n];
+    }
 }
 
-/* Compute the tangential displacement of a flexible casing under each node in the step. */
-static void casing_slip(const March *m)
+/* Compute a change of the tangential displacement of a flexible casing under each node. */
+static void casing_slip(const March *m, const double *change, double *out)
 {
     const Casing *casing = m->stage.casing;
     const NodalField *field = &casing->tangential;
-    NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
-    if (casing->modes == 0)
+    column_sums(&field->weight, change, field->half, f->value.at);
+    column_sums(&field->slope_weight, change, field->slope_half, f->slope.at);
+    field_at_nodes(nodal_field(casing, field, f), f, out);
+}
+
+/* Compute the direction of sliding of each node: that of the rotation, or if it is signed that of the
+ * tangential motion in the last step. */
+static void find_signs(const March *m)
+{
+    const Rotor *rotor = m->stage.rotor;
+    FieldScratch *f = &m->scratch->fields;
+    double speed = m->rotation.speed, dt = m->stage.numbers->time_step;
+    double *sign = m->scratch->nodes.sign.at, way = (speed > 0.0) - (speed < 0.0);
+    int64_t count = f->element.size;
+    if (m->stage.numbers->is_signed == 0.0) {
+        for (int64_t n = 0; n < count; n++)
+            sign[n] = way;
         return;
-    for (int64_t i = 0; i < s->change.size; i++)
-        s->change.at[i] = m->y.new[i] - m->y.now[i];
-    column_sums(&field->weight, s->change.at, field->half, f->value.at);
-    column_sums(&field->slope_weight, s->change.at, field->slope_half, f->slope.at);
-    field_at_tips(nodal_field(casing, field, f), f, s->along.at);
-}
-
-/* Add the compliance of the casing between two nodes to the radial and tangential entries of a
- * block, and of the block of the reverse direction. */
-static void add_casing(const March *m, int64_t one, int64_t two, double *block, double *back,
-                       int64_t stride)
-{
-    const FieldScratch *f = &m->scratch->fields;
-    const Matrix *response = &m->stage.nodes->response;
-    int64_t width = f->hermite.columns, columns = response->columns;
-    const double *row = response->at + 4 * f->element.at[one] * columns + 4 * f->element.at[two];
-    const double *from = f->hermite.at + one, *to = f->hermite.at + two;
-    Half near[2] = {half_splat(0.0), half_splat(0.0)}, far[2] = {near[0], near[0]};
-    for (int64_t p = 0; p < 8; p++, row += columns) { /* w, w', u, u' of two casing nodes */
-        int64_t kind = p / 2 % 2, weight = p % 2 + 2 * (p / 4);
-        Half factor = half_splat(from[weight * width]);
-        near[kind] = half_muladd(half_load(row), factor, near[kind]);
-        far[kind] = half_muladd(half_load(row + HALF), factor, far[kind]);
     }
-    for (int64_t kind = 0; kind < 2; kind++) {
-        double sums[2][HALF], by[2];
-        half_store(sums[0], near[kind]);
-        half_store(sums[1], far[kind]);
-        for (int64_t l = 0; l < 2; l++)
-            by[l] = (sums[0][2 * l] * to[0] + sums[0][2 * l + 1] * to[width])
-                    + (sums[1][2 * l] * to[2 * width] + sums[1][2 * l + 1] * to[3 * width]);
-        for (int64_t l = 0; l < 2; l++) {
-            block[kind * stride + l] += by[l];
-            if (back != block) /* the response of the casing is symmetric */
-                back[l * stride + kind] += by[l];
-        }
+    store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
+    node_field(rotor, TANGENTIAL, f->change.at, NULL, f, f->moved.at);
+    store_change((Motion){.new = m->y.now, .entries = m->y.entries}, m->y.old, f->change.at);
+    casing_slip(m, f->change.at, f->other.at);
+    for (int64_t n = 0; n < count; n++) {
+        double slip = speed * rotor->radius.at[n] + (f->moved.at[n] - f->other.at[n]) / dt;
+        sign[n] = (slip > 0.0) - (slip < 0.0);
     }
-}
-
-/* Compute the compliance of the nodes from number `from` of the list on with all nodes of the list.
- */
-static void add_compliance(const March *m, int64_t from, int64_t size)
-{
-    const Nodes *nodes = m->stage.nodes;
-    NodeScratch *s = &m->scratch->nodes;
-    int64_t count = nodes->radius.size, width = nodes->contact.rows, wide = s->compliance.columns;
-    for (int64_t i = from; i < size; i++)
-        for (int64_t j = 0; j <= i; j++) {
-            int64_t n = s->list.at[i], other = s->list.at[j], copy = n / count;
-            double *to = s->compliance.at + DIRECTIONS * (i * wide + j);
-            double *back = s->compliance.at + DIRECTIONS * (j * wide + i);
-            const double *own = nodes->compliance.at + copy * width * width;
-            const double *there = own + DIRECTIONS * (n % count * width + other % count);
-            const double *here = own + DIRECTIONS * (other % count * width + n % count);
-            int same = copy == other / count;
-            for (int64_t k = 0; k < DIRECTIONS; k++) /* Coriolis forces: not symmetric */
-                for (int64_t l = 0; l < DIRECTIONS; l++) {
-                    to[k * wide + l] = same ? there[k * width + l] : 0.0;
-                    back[k * wide + l] = same ? here[k * width + l] : 0.0;
-                }
-            if (nodes->response.rows > 0)
-                add_casing(m, n, other, to, back, wide);
-        }
 }
 
 /* Collect the state of the nodes of the list before their contact forces are computed. */
 static void collect(const March *m, int64_t size)
 {
-    const Nodes *nodes = m->stage.nodes;
+    const Rotor *rotor = m->stage.rotor;
     const State *state = m->state;
     NodeScratch *s = &m->scratch->nodes;
-    double speed = m->rotation.speed;
+    int full = rotor->full > 0.0;
     for (int64_t i = 0; i < size; i++) {
         int64_t n = s->list.at[i];
-        s->radius.at[i] = nodes->radius.at[n % nodes->radius.size];
         s->gap.at[i] = m->scratch->fields.free_gap.at[n];
-        for (int64_t k = 0; k < 2; k++)
-            s->direction.at[2 * i + k] = state->direction.at[2 * n + k];
-        if (!(nodes->full > 0.0)) /* friction is opposite to the rotation */
-            s->direction.at[2 * i] = (speed > 0.0) - (speed < 0.0);
-        for (int64_t k = 0; k < DIRECTIONS; k++) {
-            s->before.at[DIRECTIONS * i + k] = state->force.at[DIRECTIONS * n + k];
+        s->before.at[i] = state->force.at[DIRECTIONS * n + RADIAL];
+        s->direction.at[2 * i] = full ? state->direction.at[2 * n] : s->sign.at[n];
+        s->direction.at[2 * i + 1] = full ? state->direction.at[2 * n + 1] : 0.0;
+    }
+    for (int64_t i = 0; full && i < size; i++) {
+        int64_t n = s->list.at[i];
+        s->radius.at[i] = rotor->radius.at[n];
+        for (int64_t k = 0; k < DIRECTIONS; k++)
             s->slide.at[DIRECTIONS * i + k] = s->slip.at[DIRECTIONS * n + k];
-        }
-        if (nodes->response.rows > 0)
+        if (m->stage.casing->modes > 0)
             s->slide.at[DIRECTIONS * i + TANGENTIAL] -= s->along.at[n];
     }
 }
 
+/* Add the response of the bodies to the forces of the nodes of the list, and compute their works. */
+static void push_bodies(March *m, int64_t size, const double *ratio)
+{
+    const Rotor *rotor = m->stage.rotor;
+    NodeScratch *s = &m->scratch->nodes;
+    double *work = m->scratch->contact.work.at, twice[2];
+    work[0] = work[1] = 0.0;
+    if (m->stage.casing->modes > 0)
+        push_casing(m, size, ratio, s->force.at);
+    if (rotor->massless > 0.0)
+        return;
+    if (m->stage.foreshortening)
+        m->drawn = push_along(m->stage.foreshortening, s->list.at, size, s->multiplier.at,
+                              rotor->body.c.at, m->x.new, &m->scratch->bending);
+    if (rotor->half == 0) {
+        push_copies(m, s->force.at, m->x.new);
+        return;
+    }
+    push_blades(m, size, ratio, s->force.at, m->x.old, m->x.new, twice);
+    for (int k = 0; k < 2 && rotor->own.layers == DIRECTIONS; k++)
+        work[k] += 0.5 * twice[k];
+}
+
 /* Distribute the forces and directions of the group to its nodes, and compute the response of the
- * casing. */
-static void distribute(const March *m, int64_t size)
+ * bodies. */
+static void distribute(March *m, int64_t size)
 {
     NodeScratch *s = &m->scratch->nodes;
-    ContactScratch *c = &m->scratch->contact;
-    int64_t active = 0;
+    double friction = m->stage.numbers->friction, ratio = friction * s->direction.at[0];
+    int full = m->stage.rotor->full > 0.0, mixed = full;
     for (int64_t i = 0; i < size; i++) {
         int64_t n = s->list.at[i];
         for (int64_t k = 0; k < DIRECTIONS; k++)
             s->force.at[DIRECTIONS * n + k] = s->group_force.at[DIRECTIONS * i + k];
-        for (int64_t k = 0; k < 2; k++)
+        for (int64_t k = 0; k < 2 && full; k++)
             m->state->direction.at[2 * n + k] = s->direction.at[2 * i + k];
-        c->multiplier.at[n] = -s->group_force.at[DIRECTIONS * i + RADIAL];
-        c->sign.at[n] = s->direction.at[2 * i];
-        if (c->multiplier.at[n] > 0.0)
-            c->active.at[active++] = n;
+        mixed |= s->direction.at[2 * i] != s->direction.at[0];
     }
-    if (m->stage.nodes->response.rows == 0)
-        return;
-    double ratio;
-    for (int64_t i = 0; i < m->y.entries; i++)
-        m->y.new[i] = s->free.at[i];
-    int mixed = tip_forces(active, m->stage.numbers->friction, m->stage.casing->nodes,
-                           &m->scratch->fields, c, &ratio);
-    c->work.at[0] = c->work.at[1] = 0.0;
-    correct_casing(m->stage.casing, active, mixed, ratio, m->y, &m->scratch->fields, c);
+    push_bodies(m, size, mixed ? NULL : &ratio);
+}
+
+/* Take the response of the bodies to the forces of the nodes of the list back. */
+static void take_back(March *m, int64_t size)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    for (int64_t i = 0; i < size; i++) {
+        s->multiplier.at[i] *= -1.0;
+        for (int64_t k = 0; k < DIRECTIONS; k++)
+            s->force.at[DIRECTIONS * s->list.at[i] + k] *= -1.0;
+    }
+    push_bodies(m, size, NULL);
 }
 
 /* Compute the gaps of all nodes of some copies with contact, and add the nodes inside the wall to the
- * list. Returns the number of nodes that were added, or -1 if a displacement is not a number. */
+ * list. Returns the number of nodes that were added, or -1 if a displacement is above the limit or not
+ * a number. */
 static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t size, double closed,
-                          double turned, const double *recess)
+                          const double *recess)
 {
-    const Nodes *nodes = m->stage.nodes;
+    const Rotor *rotor = m->stage.rotor;
     const Casing *casing = m->stage.casing;
     NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
     RodScratch *r = &m->scratch->rods;
-    int64_t count = nodes->radius.size, width = nodes->contact.rows, joined = 0;
-    const Matrix *nodal = &casing->radial.start;
-    double slope, reach = 0.0;
-    if (casing->modes > 0) {
-        nodal = nodal_field(casing, &casing->radial, f);
-        if (!field_at_tips(nodal, f, f->gap.at))
-            return -1;
+    int64_t count = rotor->compliance.rows / DIRECTIONS, joined = 0;
+    double slope, reach = 0.0, *radial = f->moved.at, *opened = f->other.at;
+    for (int64_t n = first * count; n < last * count; n++)
+        radial[n] = f->radial.at[n];
+    if (rotor->massless > 0.0)
+        add_flexible(rotor, RADIAL, s->force.at, 1.0, radial);
+    else if (rotor->own.layers == DIRECTIONS && !rotor->crosses.at[RADIAL])
+        blade_values(rotor, f->sums.at, radial); /* from `push_blades` */
+    else
+        node_field(rotor, RADIAL, m->x.new, &s->wanted, f, radial);
+    if (casing->modes == 0) {
+        for (int64_t n = first * count; n < last * count; n++)
+            f->gap.at[n] = f->free_gap.at[n] - (radial[n] - f->radial.at[n]);
+    } else if (!find_gaps(m, radial, recess, f->gap.at))
+        return -1;
+    if (m->stage.foreshortening) {
+        open_further(&m->scratch->bending, s, size, opened);
+        for (int64_t n = 0; n < f->element.size; n++)
+            f->gap.at[n] += casing->modes > 0 ? opened[n] : opened[n] - m->scratch->bending.opened.at[n];
     }
-    if (m->stage.node_coating)
-        reach = reach_of_rods(m, nodal);
-    for (int64_t copy = first; copy < last; copy++) {
-        int pushed = is_pushed(nodes, s->force.at, copy);
-        for (int64_t i = 0; i < count; i++) {
-            int64_t n = copy * count + i;
-            double gap = f->free_gap.at[n];
-            if (casing->modes > 0)
-                gap = f->gap.at[n] + (recess[n] - f->radial.at[n]);
-            const double *row = nodes->compliance.at + (copy * width + DIRECTIONS * i) * width;
-            for (int64_t k = 0; pushed && k < width; k++)
-                gap -= row[k] * s->force.at[copy * width + k];
-            f->gap.at[n] = gap;
-            if (s->listed.at[n])
-                continue;
-            int inside = gap < -LEAST_GAP * m->stage.numbers->gap_scale;
-            if (m->stage.node_coating && gap < reach) {
-                if (!r->near.at[n])
-                    place_rods(m, nodal, n, closed, turned);
-                inside |= press_node(m, n, gap, &slope, NULL) > 0.0;
-            }
-            if (inside) {
-                s->listed.at[n] = 1;
-                s->list.at[size + joined++] = n;
-            }
+    if (m->stage.coating)
+        reach = reach_of_rods(m);
+    for (int64_t n = first * count; n < last * count; n++) {
+        double gap = f->gap.at[n];
+        if (s->listed.at[n])
+            continue;
+        int inside = gap < -LEAST_GAP * m->stage.numbers->gap_scale;
+        if (m->stage.coating && gap < reach) {
+            if (!r->near.at[n])
+                place_rods(m, n, closed);
+            inside |= press_node(m, n, gap, &slope, NULL) > 0.0;
+        }
+        if (inside) {
+            s->listed.at[n] = 1;
+            s->list.at[size + joined++] = n;
         }
     }
     return joined;
 }
 
+/* Note the complementarity residual of a group, and whether its contact problem was solved; `lack` is
+ * what `contact_forces` returned. */
+static void note_residual(const March *m, int64_t size, double lack)
+{
+    const NodeScratch *s = &m->scratch->nodes;
+    const FieldScratch *f = &m->scratch->fields;
+    const double *place = m->scratch->pieces.place.at;
+    double worst = 0.0, scale = m->stage.numbers->gap_scale;
+    for (int64_t i = 0; i < size; i++) {
+        int64_t n = s->list.at[i];
+        double gap = f->gap.at[n], closed = s->multiplier.at[i]; /* gap that the metal closes */
+        closed *= fabs(s->response.at[i * s->response.columns + i]);
+        if (m->stage.coating)
+            closed = -smaller(place[i], 0.0);
+        scale = larger(scale, fabs(f->free_gap.at[n]));
+        worst = larger(worst, closed > 0.0 ? fabs(smaller(gap, closed)) : -gap);
+    }
+    double *residual = m->state->counts.at + RESIDUAL;
+    *residual = larger(*residual, worst / scale);
+    if (!(lack > SAME_DIRECTION))
+        return;
+    double largest = 0.0, wrong = 0.0, slope;
+    for (int64_t i = 0; i < size; i++) {
+        double gap = f->gap.at[s->list.at[i]];
+        largest = larger(largest, s->multiplier.at[i]);
+        if (gap > 0.0)
+            wrong = larger(wrong, fabs(force_at(m, i, gap, &slope) - s->multiplier.at[i]));
+    }
+    m->state->counts.at[UNSOLVED] += 1.0;
+    wrong = largest > 0.0 ? wrong / largest : 0.0;
+    *residual = larger(*residual, lack < INFINITY ? lack : wrong);
+}
+
 /* Compute the contact of some copies that are solved together. Returns the number of nodes of the
- * group, which is 0 if no node touches the wall, or -1 if a displacement is not a number. */
-static int64_t touch_copies(const March *m, int64_t first, int64_t last, double closed,
-                            double turned, const double *recess)
+ * group, which is 0 if no node touches the wall, or -1 if a displacement is above the limit. */
+static int64_t touch_copies(March *m, int64_t first, int64_t last, double closed,
+                            const double *recess)
 {
     NodeScratch *s = &m->scratch->nodes;
-    const FieldScratch *f = &m->scratch->fields;
-    int64_t count = m->stage.nodes->radius.size, size = 0, touching = 0;
+    FieldScratch *f = &m->scratch->fields;
+    int64_t count = m->stage.rotor->compliance.rows / DIRECTIONS, size = 0, touching = 0;
     for (int64_t n = first * count; n < last * count; n++) {
         int touches = f->free_gap.at[n] < 0.0
-                      || (m->stage.node_coating && m->scratch->rods.near.at[n] == 2);
+                      || (m->stage.coating && m->scratch->rods.near.at[n] == 2);
         s->listed.at[n] = touches || m->state->force.at[DIRECTIONS * n + RADIAL] < 0.0;
         touching += touches;
         if (s->listed.at[n])
             s->list.at[size++] = n;
     }
-    for (int64_t i = 0; touching == 0 && i < size; i++)
-        s->listed.at[s->list.at[i]] = 0;
     if (touching == 0)
         return 0;
-    if (m->stage.nodes->full > 0.0) {
-        for (int64_t copy = first; copy < last; copy++)
-            slip_nodes(m, copy);
-        casing_slip(m);
+    if (m->stage.rotor->full > 0.0) {
+        for (int64_t copy = 0; copy < s->wanted.size; copy++)
+            s->wanted.at[copy] = first <= copy && copy < last;
+        slip_nodes(m);
+        if (m->stage.casing->modes > 0) {
+            store_change(m->y, m->y.now, f->change.at);
+            casing_slip(m, f->change.at, s->along.at);
+        }
     }
-    for (int64_t known = 0, joined = size; joined > 0; known = size - joined) {
-        add_compliance(m, known, size);
+    double lack = 0.0;
+    for (int64_t joined = size; joined > 0; size += joined) {
+        if (joined < size)
+            take_back(m, size - joined);
+        want_listed(m, size);
+        respond_group(m, size);
         collect(m, size);
-        contact_forces(m, size);
+        lack = contact_forces(m, size);
         distribute(m, size);
-        joined = join_nodes(m, first, last, size, closed, turned, recess);
+        joined = join_nodes(m, first, last, size, closed, recess);
         if (joined < 0)
             return -1;
-        size += joined;
     }
+    note_residual(m, size, lack);
     return size;
 }
 
 /* Compute x_{n+1} with contact of the nodes. Returns whether x_{n+1} is within the displacement
- * limit; `touching` gets whether any node touches the wall. */
+ * limit; `touching` gets the number of nodes in contact or near it. */
 static int solve_nodes(March *m, int64_t step, int64_t *touching)
 {
-    const Nodes *nodes = m->stage.nodes;
+    const Rotor *rotor = m->stage.rotor;
     const Casing *casing = m->stage.casing;
-    const Numbers *numbers = m->stage.numbers;
     NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
-    int64_t copies = nodes->compliance.layers, together = casing->modes > 0 ? copies : 1;
-    double turned = m->rotation.elements, rate, closed = 0.0;
-    double later = (double)(step + 1) * numbers->time_step;
+    BendScratch *bending = &m->scratch->bending;
+    int64_t together = casing->modes > 0 ? rotor->copies : 1, count = f->element.size;
+    double rate, closed = 0.0, later = (double)(step + 1) * m->stage.numbers->time_step;
+    int touches = 0;
     *touching = 0;
-    place_nodes(m, turned);
-    const double *recess = recess_at(m->stage.rotor, m->stage.closure, later, f);
-    if (!find_node_gaps(m, recess))
+    place_nodes(m);
+    const double *recess = recess_at(rotor, m->stage.closure, later, f);
+    if (!find_free_gaps(m, recess))
         return 0;
-    for (int64_t i = 0; i < s->force.rows * s->force.columns; i++)
-        s->force.at[i] = 0.0;
-    if (m->stage.node_coating) {
-        closed = m->stage.closure ? closure_at(m->stage.closure, later, &rate) : 0.0;
-        find_rods(m, casing->modes > 0 ? &f->nodal : &casing->radial.start, closed, turned);
+    if (m->stage.foreshortening) {
+        if (bend_tips(m->stage.foreshortening, rotor, m->state, f->free_gap.at, step + 1, m->x, f,
+                      bending))
+            s->known.at[0] = -1;
+        open_gaps(bending, m->x.new, f->free_gap.at);
     }
-    for (int64_t i = 0; i < s->free.size; i++)
-        s->free.at[i] = m->y.new[i];
+    if (m->pushed)
+        for (int64_t i = 0; i < s->force.rows * s->force.columns; i++)
+            s->force.at[i] = 0.0;
+    m->pushed = m->drawn = 0;
+    if (m->stage.coating) {
+        closed = m->stage.closure ? closure_at(m->stage.closure, later, &rate) : 0.0;
+        touches = find_rods(m, closed);
+    }
+    for (int64_t n = 0; n < count; n++)
+        touches |= f->free_gap.at[n] < 0.0;
+    if (!touches)
+        return 1;
+    m->pushed = 1;
     m->scratch->contact.work.at[0] = m->scratch->contact.work.at[1] = 0.0;
-    for (int64_t n = 0; n < f->element.size; n++)
+    for (int64_t n = 0; n < count && casing->modes == 0; n++)
         f->gap.at[n] = f->free_gap.at[n];
-    for (int64_t first = 0; first < copies; first += together) {
-        int64_t size = touch_copies(m, first, first + together, closed, turned, recess);
+    find_signs(m);
+    for (int64_t first = 0; first < rotor->copies; first += together) {
+        int64_t size = touch_copies(m, first, first + together, closed, recess);
         if (size < 0)
             return 0;
         *touching += size;
     }
-    for (int64_t copy = 0; copy < copies && !(nodes->massless > 0.0); copy++)
-        if (is_pushed(nodes, s->force.at, copy))
-            push_copy(m, copy);
     return 1;
 }
 
-/* Add the works of the contact forces on a copy in the step. */
-static void contact_works(const March *m, int64_t copy)
+/* Add the works of the contact forces on the rotor in the step, unless `push_blades` computes them. */
+static void contact_works(const March *m)
 {
-    const Nodes *nodes = m->stage.nodes;
+    const Rotor *rotor = m->stage.rotor;
     NodeScratch *s = &m->scratch->nodes;
-    int64_t width = nodes->contact.rows;
-    const double *before = m->state->force.at + copy * width, *force = s->force.at + copy * width;
-    double *work = m->state->work.at, *moved = s->moved.at;
-    int massless = nodes->massless > 0.0;
-    move_nodes(m, copy, massless ? m->x.now : m->x.old, massless ? 1.0 : 0.5, moved);
-    if (massless) {
-        for (int64_t i = 0; i < width; i++)
-            s->further.at[i] = force[i] - before[i];
-        add_rows(s->further.at, nodes->compliance.at + copy * width * width, width, width, moved);
+    FieldScratch *f = &m->scratch->fields;
+    const double *before = m->state->force.at, *force = s->force.at;
+    double *work = m->state->work.at, *moved = f->moved.at;
+    int massless = rotor->massless > 0.0;
+    int directions = rotor->full > 0.0 ? DIRECTIONS : 2;
+    int64_t width = rotor->compliance.rows, all = 0;
+    int64_t *wanted = s->wanted.at;
+    for (int64_t copy = 0; copy < rotor->copies; copy++) {
+        wanted[copy] = 0;
+        for (int64_t i = copy * width; i < (copy + 1) * width; i += DIRECTIONS)
+            wanted[copy] |= force[i] < 0.0 || (massless && before[i] < 0.0);
+        all |= wanted[copy];
     }
-    for (int64_t i = 0; i < width; i++) {
-        double mean = massless ? 0.5 * (force[i] + before[i]) : force[i];
-        work[i % DIRECTIONS == RADIAL ? NORMAL : FRICTION] += mean * moved[i];
+    if (!all)
+        return;
+    store_change(m->x, massless ? m->x.now : m->x.old, f->change.at);
+    for (int direction = 0; direction < directions; direction++) {
+        node_field(rotor, direction, f->change.at, &s->wanted, f, moved);
+        if (massless) {
+            add_flexible(rotor, direction, force, 1.0, moved);
+            add_flexible(rotor, direction, before, -1.0, moved);
+        }
+        double sum = work_of(m, direction, force, moved);
+        if (massless)
+            sum += work_of(m, direction, before, moved);
+        work[direction == RADIAL ? NORMAL : FRICTION] += 0.5 * sum;
     }
+}
+
+/* Return the work of the contact forces along the gradients of tips that draw back. */
+static double work_along(const March *m)
+{
+    const double *force = m->scratch->bending.force.at;
+    int64_t entries = m->x.entries;
+    return 0.5 * (dot(force, m->x.new, entries) - dot(force, m->x.old, entries));
 }
 
 /* Add the impulses and works of an accepted step to the state, and wear the coating. `gap` and
  * `before` are the gaps after this step and one step before it. */
-static void account_nodes(const March *m, int touching, const double *gap, const double *before)
+static void account_nodes(March *m, int touching, const double *gap, const double *before)
 {
-    const Nodes *nodes = m->stage.nodes;
     State *state = m->state;
     NodeScratch *s = &m->scratch->nodes;
     double dt = m->stage.numbers->time_step;
     int64_t contacts = 0;
-    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++)
-        if (is_pushed(nodes, s->force.at, copy) || is_pushed(nodes, state->force.at, copy))
-            contact_works(m, copy);
-    if (m->stage.node_coating) {
+    if (m->stage.coating)
         state->coating.at[STORED] = 0.0;
-        if (touching)
-            wear_rods(m, gap);
-    }
+    if (!m->pushed && !m->held)
+        return;
+    if (m->stage.rotor->own.layers != DIRECTIONS || m->stage.rotor->massless > 0.0)
+        contact_works(m);
+    if (m->drawn)
+        state->work.at[NORMAL] += work_along(m);
+    if (m->stage.coating && touching)
+        wear_rods(m, gap);
     for (int64_t n = 0; n < state->touched.size; n++) {
         const double *force = s->force.at + DIRECTIONS * n;
         if (!(force[RADIAL] < 0.0))
@@ -495,37 +556,37 @@ static void account_nodes(const March *m, int touching, const double *gap, const
         state->impulse.at[n] -= force[RADIAL] * dt;
         state->drag.at[n] -= force[TANGENTIAL] * dt;
         state->axial.at[n] += force[AXIAL] * dt;
-        if (!(nodes->massless > 0.0)) /* without mass, nothing has to be stopped */
-            state->work.at[CLOSING] -= 0.5 * force[RADIAL] * (gap[n] - before[n]);
+        double metal = -force[RADIAL];
+        if (m->stage.coating)
+            metal -= m->scratch->rods.push.at[n];
+        if (!(m->stage.rotor->massless > 0.0)) /* without mass, nothing has to be stopped */
+            state->work.at[CLOSING] += 0.5 * metal * (gap[n] - before[n]);
     }
     for (int64_t i = 0; i < state->force.rows * state->force.columns; i++)
         state->force.at[i] = s->force.at[i];
+    m->held = m->pushed;
+    state->counts.at[STEP_CONTACTS] = (double)contacts;
+    if (!touching)
+        return;
     state->work.at[NORMAL] += m->scratch->contact.work.at[0];
     state->work.at[FRICTION] += m->scratch->contact.work.at[1];
-    state->counts.at[STEP_CONTACTS] = (double)contacts;
-    state->counts.at[CONTACT_STEPS] += touching > 0;
+    state->counts.at[CONTACT_STEPS] += 1.0;
 }
 
 /* Return the energy of the residual flexibility of massless nodes half a step before step n. */
 static double flexible_energy(const March *m)
 {
-    const Nodes *nodes = m->stage.nodes;
-    NodeScratch *s = &m->scratch->nodes;
-    int64_t width = nodes->contact.rows, modes = nodes->contact.columns;
+    const Rotor *rotor = m->stage.rotor;
+    FieldScratch *f = &m->scratch->fields;
+    const double *force = m->state->force.at;
     double energy = 0.0;
-    for (int64_t copy = 0; copy < nodes->compliance.layers; copy++) {
-        const double *force = m->state->force.at + copy * width;
-        int64_t first = first_mode(m, copy);
-        if (!(nodes->massless > 0.0) || !is_pushed(nodes, m->state->force.at, copy))
-            continue;
-        for (int64_t i = 0; i < modes; i++)
-            s->modal.at[i] = m->x.now[first + i] - m->x.old[first + i];
-        for (int64_t i = 0; i < width; i++)
-            s->further.at[i] = 0.0;
-        add_rows(s->modal.at, nodes->columns.at, modes, width, s->further.at);
-        add_rows(force, nodes->compliance.at + copy * width * width, width, width, s->further.at);
-        for (int64_t i = 0; i < width; i++)
-            energy += 0.5 * force[i] * s->further.at[i];
+    if (!(rotor->massless > 0.0) || !want_pushed(m, force))
+        return 0.0;
+    store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
+    for (int direction = 0; direction < DIRECTIONS; direction++) {
+        node_field(rotor, direction, f->change.at, &m->scratch->nodes.wanted, f, f->moved.at);
+        add_flexible(rotor, direction, force, 1.0, f->moved.at);
+        energy += 0.5 * work_of(m, direction, force, f->moved.at);
     }
     return energy;
 }

@@ -20,15 +20,15 @@
 enum { MOST_NEWTON = 40, MOST_PIECES = 4000 }; /* iterations, and pieces on a line */
 
 /* Return the force of a node of the group at a place; `slope` gets its decrease with the place. */
-static double force_at(const March *m, int64_t i, int64_t size, double place, double *slope)
+static double force_at(const March *m, int64_t i, double place, double *slope)
 {
     const NodeScratch *s = &m->scratch->nodes;
     double force = 0.0;
     *slope = 0.0;
-    if (m->stage.node_coating && m->scratch->rods.near.at[s->list.at[i]])
+    if (m->stage.coating && m->scratch->rods.near.at[s->list.at[i]])
         force = press_node(m, s->list.at[i], larger(place, 0.0), slope, NULL);
     if (place < 0.0) {
-        *slope = 1.0 / larger(fabs(s->response.at[i * size + i]), 1e-300);
+        *slope = 1.0 / larger(fabs(s->response.at[i * s->response.columns + i]), 1e-300);
         force -= place * *slope;
     }
     return force;
@@ -39,10 +39,10 @@ static double next_kink(const March *m, int64_t i, double place, int above)
 {
     int64_t n = m->scratch->nodes.list.at[i];
     double kink = above ? (place < 0.0 ? 0.0 : INFINITY) : (place > 0.0 ? 0.0 : -INFINITY);
-    if (!m->stage.node_coating || !m->scratch->rods.near.at[n])
+    if (!m->stage.coating || !m->scratch->rods.near.at[n])
         return kink;
     const RodScratch *r = &m->scratch->rods;
-    return kink_of_rods(m->stage.node_coating, n % m->stage.nodes->radius.size, r->range.at + 2 * n,
+    return kink_of_rods(m->stage.coating, n, r->range.at + 2 * n,
                         r->offset.at + n * r->offset.columns, &m->state->strain, place, above, kink);
 }
 
@@ -51,12 +51,14 @@ static double next_kink(const March *m, int64_t i, double place, int above)
 static int linear_step(const March *m, int64_t size)
 {
     PieceScratch *p = &m->scratch->pieces;
-    const double *w = m->scratch->nodes.response.at, *gap = m->scratch->nodes.gap.at;
+    const Matrix *response = &m->scratch->nodes.response;
+    const double *gap = m->scratch->nodes.gap.at;
     for (int64_t i = 0; i < size; i++) {
         double *row = p->system.at + i * (size + 1), right = gap[i] - larger(p->place.at[i], 0.0);
         for (int64_t j = 0; j < size; j++) {
-            row[j] = w[i * size + j] * p->slope.at[j];
-            right += w[i * size + j] * p->force.at[j];
+            double w = response->at[j * response->columns + i];
+            row[j] = w * p->slope.at[j];
+            right += w * p->force.at[j];
         }
         row[i] += p->open.at[i];
         row[size] = right;
@@ -72,7 +74,7 @@ static int newton(const March *m, int64_t size, double scale)
     int refined = 0;                            /* whether the step before was exact too */
     for (int trial = 0; trial < MOST_NEWTON; trial++) {
         for (int64_t i = 0; i < size; i++) {
-            p->force.at[i] = force_at(m, i, size, p->place.at[i], p->slope.at + i);
+            p->force.at[i] = force_at(m, i, p->place.at[i], p->slope.at + i);
             p->open.at[i] = p->place.at[i] >= 0.0;
         }
         if (!linear_step(m, size))
@@ -81,7 +83,7 @@ static int newton(const March *m, int64_t size, double scale)
         int exact = 1; /* whether gaps and forces at the new places are those that were assumed */
         for (int64_t i = 0; i < size; i++) {
             double step = p->system.at[i * (size + 1) + size], to = p->place.at[i] + step;
-            double force = force_at(m, i, size, to, &slope), assumed = p->force.at[i];
+            double force = force_at(m, i, to, &slope), assumed = p->force.at[i];
             assumed -= p->slope.at[i] * step;
             change = larger(change, fabs(step));
             exact &= fabs(force - assumed) <= 1e-13 * fabs(force) + 1e-14 * scale * p->slope.at[i];
@@ -114,8 +116,8 @@ static int follow_pieces(const March *m, int64_t size)
             double low = p->low.at[i], high = p->high.at[i], middle = 0.5 * (low + high);
             if (!isfinite(middle))
                 middle = isfinite(low) ? low + fabs(low) + 1.0 : high - fabs(high) - 1.0;
-            force_at(m, i, size, middle, p->slope.at + i);
-            p->force.at[i] = force_at(m, i, size, p->place.at[i], &slope);
+            force_at(m, i, middle, p->slope.at + i);
+            p->force.at[i] = force_at(m, i, p->place.at[i], &slope);
             p->open.at[i] = middle > 0.0;
         }
         if (!linear_step(m, size))
@@ -163,7 +165,7 @@ static int solve_pieces(const March *m, int64_t size)
         solved = follow_pieces(m, size) && newton(m, size, scale);
     }
     for (int64_t i = 0; i < size; i++)
-        s->multiplier.at[i] = force_at(m, i, size, p->place.at[i], &slope);
+        s->multiplier.at[i] = force_at(m, i, p->place.at[i], &slope);
     return solved;
 }
 

@@ -1,6 +1,12 @@
-/* Abradable coating under contact nodes: elastic-plastic rods in tracks along the circumference.
+/* Abradable coating: elastic-plastic rods in tracks along the circumference.
  *
- * The law of a rod is that of `coating.h`. All nodes at one axial position cut the same track. A node
+ * Rods harden linearly; plastic strain stands for removed material. With the depth D of the node below
+ * the virgin surface, the thickness h and the plastic strain p of a rod:
+ *
+ *     trial stress  s = E (D / h - p);  s <= 0: no contact
+ *     if s > s_y + H p:  dp = (s - s_y - H p) / (E + H),  p += dp,  s -= E dp
+ *
+ * All nodes at one axial position cut the same track. A node
  * touches the rods under its footprint, at depths that follow from its gap and the shape of the wall
  * near it. The forces act at the node, and depend on its displacement at the end of the step:
  *
@@ -12,13 +18,13 @@
 #ifndef RODS_H
 #define RODS_H
 
-#include "coating.h"
+#include "forces.h"
 
 #define LEAST_GAP 1e-12 /* share of the scale of gaps below which a gap is closed */
 
 /* Return the first and the last rod under the footprint of a node; `turns` is its angle in
  * revolutions. */
-static void rods_under(const NodeCoating *c, int64_t node, double turns, int64_t range[2])
+static void rods_under(const Coating *c, int64_t node, double turns, int64_t range[2])
 {
     double at = (turns - floor(turns)) * (double)c->rods, half = c->half.at[node];
     range[0] = (int64_t)ceil(at - half - 0.5);
@@ -26,7 +32,7 @@ static void rods_under(const NodeCoating *c, int64_t node, double turns, int64_t
 }
 
 /* Return the number of a rod between 0 and the number of rods. */
-static int64_t wrapped(const NodeCoating *c, int64_t rod)
+static int64_t wrapped(const Coating *c, int64_t rod)
 {
     return rod < 0 ? rod + c->rods : rod < c->rods ? rod : rod - c->rods;
 }
@@ -34,7 +40,7 @@ static int64_t wrapped(const NodeCoating *c, int64_t rod)
 /* Compress the rods of a node at a gap to the metal. Returns the force [N]; `slope` gets its
  * decrease with the gap [N/m]. If `sums` is given, plastic strains are updated, and changes are added
  * to it. */
-static double press_rods(const NodeCoating *c, int64_t node, const int64_t range[2],
+static double press_rods(const Coating *c, int64_t node, const int64_t range[2],
                          const double *offset, double gap, const Matrix *strain, double *slope,
                          double *sums)
 {
@@ -71,7 +77,7 @@ static double press_rods(const NodeCoating *c, int64_t node, const int64_t range
 
 /* Return the nearest gap above or below a gap at which the slope of the force of `press_rods` changes,
  * or `nearest` if that is nearer. */
-static double kink_of_rods(const NodeCoating *c, int64_t node, const int64_t range[2],
+static double kink_of_rods(const Coating *c, int64_t node, const int64_t range[2],
                            const double *offset, const Matrix *strain, double gap, int above,
                            double nearest)
 {
@@ -102,15 +108,17 @@ static double wall_near(const March *m, const Matrix *nodal, double place, doubl
                             : wall;
 }
 
-/* Return the rods under a node, and store the wall there relative to the wall at the node. */
-static void place_rods(const March *m, const Matrix *nodal, int64_t n, double closed, double turned)
+/* Find the rods under a node, and store the wall there relative to the wall at the node, both without
+ * contact forces of this step. */
+static void place_rods(const March *m, int64_t n, double closed)
 {
-    const NodeCoating *c = m->stage.node_coating;
+    const Coating *c = m->stage.coating;
     RodScratch *r = &m->scratch->rods;
+    const Matrix *nodal = &r->nodal;
     int64_t *range = r->range.at + 2 * n;
-    double nodes = (double)m->stage.casing->nodes, place = m->scratch->fields.at.at[n] + turned;
+    double nodes = (double)m->stage.casing->nodes, place = position_of(m, n) + m->rotation.elements;
     double *offset = r->offset.at + n * r->offset.columns;
-    rods_under(c, n % m->stage.nodes->radius.size, place / nodes, range);
+    rods_under(c, n, place / nodes, range);
     double here = wall_near(m, nodal, place, closed);
     for (int64_t k = range[0]; k <= range[1]; k++) {
         double middle = nodes * ((double)wrapped(c, k) + 0.5) / (double)c->rods;
@@ -120,16 +128,24 @@ static void place_rods(const March *m, const Matrix *nodal, int64_t n, double cl
     r->near.at[n] = 1;
 }
 
-/* Return the gap to the metal below which the rods under a node have to be evaluated. */
-static double reach_of_rods(const March *m, const Matrix *nodal)
+/* Return an upper bound of the slope of a nodal Hermite field on an element. */
+static inline double steepest(const Casing *casing, int64_t element, const Matrix *nodal)
 {
-    const NodeCoating *c = m->stage.node_coating;
+    const double *value = nodal->at, *slope = value + nodal->columns;
+    double chord = fabs(value[element + 1] - value[element]) / casing->element_length;
+    return 1.5 * chord + fabs(slope[element]) + fabs(slope[element + 1]);
+}
+
+/* Return the gap to the metal below which the rods under a node have to be evaluated. */
+static double reach_of_rods(const March *m)
+{
+    const Coating *c = m->stage.coating;
     const Casing *casing = m->stage.casing;
     double slope = 0.0, half = 0.0;
     for (int64_t i = 0; i < c->half.size; i++)
         half = larger(half, c->half.at[i]);
     for (int64_t e = 0; casing->modes > 0 && e < casing->nodes; e++)
-        slope = larger(slope, steepest(casing, e, nodal));
+        slope = larger(slope, steepest(casing, e, &m->scratch->rods.nodal));
     slope *= casing->element_length * (double)casing->nodes / (2.0 * PI);
     slope += c->steepest;
     return c->limit * c->thickness + slope * (half + 0.5) * 2.0 * PI / (double)c->rods;
@@ -139,25 +155,33 @@ static double reach_of_rods(const March *m, const Matrix *nodal)
 static double press_node(const March *m, int64_t n, double gap, double *slope, double *sums)
 {
     const RodScratch *r = &m->scratch->rods;
-    return press_rods(m->stage.node_coating, n % m->stage.nodes->radius.size, r->range.at + 2 * n,
+    return press_rods(m->stage.coating, n, r->range.at + 2 * n,
                       r->offset.at + n * r->offset.columns, gap, &m->state->strain, slope, sums);
 }
 
-/* Find the nodes that touch the coating without contact forces of this step. */
-static void find_rods(const March *m, const Matrix *nodal, double closed, double turned)
+/* Find the nodes that touch the coating without contact forces of this step. Returns whether there
+ * are any. */
+static int find_rods(const March *m, double closed)
 {
+    const Casing *casing = m->stage.casing;
+    const Matrix *nodal = casing->modes > 0 ? &m->scratch->fields.nodal : &casing->radial.start;
+    int touches = 0;
     RodScratch *r = &m->scratch->rods;
     const double *gap = m->scratch->fields.free_gap.at;
-    double reach = reach_of_rods(m, nodal), slope;
+    for (int64_t i = 0; i < 2 * nodal->columns; i++)
+        r->nodal.at[i] = nodal->at[i];
+    double reach = reach_of_rods(m), slope;
     for (int64_t n = 0; n < r->near.size; n++) {
         r->near.at[n] = 0;
-        m->scratch->coating.push.at[n] = 0.0;
+        m->scratch->rods.push.at[n] = 0.0;
         if (!(gap[n] < reach))
             continue;
-        place_rods(m, nodal, n, closed, turned);
+        place_rods(m, n, closed);
         if (press_node(m, n, gap[n], &slope, NULL) > 0.0)
             r->near.at[n] = 2;
+        touches |= r->near.at[n] == 2;
     }
+    return touches;
 }
 
 /* Wear the rods under the nodes at their gaps after the step, and add to the sums of the coating. */
@@ -165,7 +189,7 @@ static void wear_rods(const March *m, const double *gap)
 {
     State *state = m->state;
     const RodScratch *r = &m->scratch->rods;
-    double slope, *push = m->scratch->coating.push.at;
+    double slope, *push = m->scratch->rods.push.at;
     for (int64_t n = 0; n < r->near.size; n++)
         if (m->scratch->nodes.listed.at[n] && r->near.at[n]) {
             push[n] = press_node(m, n, gap[n], &slope, state->coating.at);

@@ -82,7 +82,6 @@ static void rotate_steadily(March *m, int64_t step)
                                        n->angle_per_step * (double)step},
                              .elements = n->elements_per_step * (double)(step + 1),
                              .speed = n->speed,
-                             .wheel_speed = n->wheel_speed,
                              .circulation = 1.0,
                              .now = n->speed};
 }
@@ -148,11 +147,11 @@ static void speed_forces(March *m, int first)
 /* Let the arrays that depend on the speed be those at another speed. */
 static void refresh_speed(March *m, double centre)
 {
-    IntMatrix *known = &m->scratch->contact.known;
+    IntVector *known = &m->scratch->nodes.known;
     m->rotation.centre = centre;
     set_speed(m->stage.speed, centre);
-    for (int64_t j = 0; j < known->columns; j++)
-        known->at[j] = -1;
+    if (known->size > 0)
+        known->at[0] = -1;
 }
 
 /* Let these arrays be those in the middle of the steps around a step. If this begins another group of
@@ -171,10 +170,9 @@ static void follow_speed(March *m, int64_t step, int first)
     course_at(m->stage.speed, m->stage.numbers, (double)step + 0.5 * REFRESH, &angle, &centre, &ignored);
     if (step > 0 && centre == m->rotation.centre)
         return;
-    stored = m->stage.nodes ? flexible_energy(m) : 0.0;
+    stored = flexible_energy(m);
     refresh_speed(m, centre);
-    if (m->stage.nodes)
-        m->state->work.at[PARAMETRIC] += flexible_energy(m) - stored;
+    m->state->work.at[PARAMETRIC] += flexible_energy(m) - stored;
 }
 
 /* Compute the rotation in a step, and the forces due to its change. */
@@ -187,7 +185,6 @@ static void prepare_speed(March *m, int64_t step, int first)
     }
     const Numbers *n = m->stage.numbers;
     Rotation *r = &m->rotation;
-    ContactScratch *c = &m->scratch->contact;
     double square = speed->base * speed->base, ignored;
     if (first) {
         course_at(speed, n, (double)(step - 1), &r->angle[1], &r->now, &ignored);
@@ -201,11 +198,8 @@ static void prepare_speed(March *m, int64_t step, int first)
     double added = course_at(speed, n, (double)(step + 1), &r->next, &r->speed, &r->later);
     r->elements = n->elements_per_step * (double)(step + 1)
                   + added * (double)m->stage.casing->nodes / (2.0 * PI);
-    r->wheel_speed = n->radius * r->speed;
     r->circulation = speed->base != 0.0 ? r->now / speed->base : 0.0;
     r->square[1] = r->now * r->now - square;
-    for (int64_t j = 0; j < c->sign.size && n->is_signed == 0.0; j++)
-        c->sign.at[j] = (r->speed > 0.0) - (r->speed < 0.0);
     if (m->scratch->speed.force.size == 0)
         return;
     follow_speed(m, step, first);

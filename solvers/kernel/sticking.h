@@ -59,10 +59,10 @@ static void eliminate_stuck(const March *m, int64_t size)
 static double slip_across(const March *m, int64_t size, const int64_t *node, int64_t few, double *across)
 {
     NodeScratch *s = &m->scratch->nodes;
-    Candidates nodes = {size, s->gap.at, s->held.at, s->multiplier.at, s->response.at};
+    Candidates nodes = {size, s->gap.at, s->held.at, s->multiplier.at, &s->response};
     double largest = 0.0, least = 1e-4 * m->stage.numbers->gap_scale; /* slip that has a direction */
     respond(m, size, NULL);
-    if (!(!m->stage.node_coating && solve_normal(m, &nodes)) && !solve_pieces(m, size))
+    if (!(!m->stage.coating && solve_normal(m, &nodes)) && !solve_pieces(m, size))
         return INFINITY;
     set_forces(m, size);
     for (int64_t k = 0; k < few; k++) {
@@ -208,43 +208,17 @@ static int stick_group(const March *m, int64_t size)
     return wrong == 0;
 }
 
-/* Compute the contact forces of a group in contact at the end of a step, and its gaps. */
-static void contact_forces(const March *m, int64_t size)
+/* Compute the contact forces of a group in contact at the end of a step. Returns the change of the
+ * directions of sliding in the last iteration, INFINITY without a solution. */
+static double contact_forces(const March *m, int64_t size)
 {
-    NodeScratch *s = &m->scratch->nodes;
-    const double *place = m->scratch->pieces.place.at;
-    int coated = m->stage.node_coating != NULL;
-    double *gap = s->gap.at;
-    double largest = 0.0, wrong = 0.0, slope; /* forces, and what unsolved ones lack */
-    double worst = 0.0, scale = m->stage.numbers->gap_scale;
-    for (int64_t i = 0; i < size; i++)
-        s->stuck.at[i] = 0;
+    int full = m->stage.rotor->full > 0.0;
+    for (int64_t i = 0; full && i < size; i++)
+        m->scratch->nodes.stuck.at[i] = 0;
     double change = slide_group(m, size);
-    if (change > SAME_DIRECTION && m->stage.nodes->full > 0.0 && m->stage.numbers->friction > 0.0)
-        change = stick_group(m, size) ? 0.0 : change;
-    int solved = change < INFINITY;
-    for (int64_t i = 0; i < size; i++) {
-        double multiplier = coated ? -smaller(place[i], 0.0) : s->multiplier.at[i];
-        double after = gap[i] - dot(s->compliance.at + DIRECTIONS * i * s->compliance.columns,
-                                    s->group_force.at, DIRECTIONS * size);
-        scale = larger(scale, fabs(gap[i]));
-        if (multiplier > 0.0)
-            worst = larger(worst, fabs(smaller(after, fabs(s->response.at[i * size + i]) * multiplier)));
-        else
-            worst = larger(worst, -after);
-        largest = larger(largest, s->multiplier.at[i]);
-        if (!solved && after > 0.0)
-            wrong = larger(wrong, fabs(force_at(m, i, size, after, &slope) - s->multiplier.at[i]));
-        s->closed.at[i] = after;
-    }
-    for (int64_t i = 0; i < size; i++)
-        gap[i] = s->closed.at[i];
-    double *residual = m->state->counts.at + RESIDUAL;
-    *residual = larger(*residual, worst / scale);
-    if (solved && !(change > SAME_DIRECTION))
-        return;
-    m->state->counts.at[UNSOLVED] += 1.0;
-    *residual = larger(*residual, larger(solved ? change : 0.0, largest > 0.0 ? wrong / largest : 0.0));
+    if (full && change > SAME_DIRECTION && m->stage.numbers->friction > 0.0 && stick_group(m, size))
+        return 0.0;
+    return change;
 }
 
 #endif

@@ -152,11 +152,25 @@ def aligned_copy(values: np.ndarray[Any, Any]) -> FloatArray:
     return out
 
 
+def working_array(stage: dict[str, Struct | None], state: Struct) -> FloatArray:
+    """Return the array for the working arrays of a march, which every call overwrites.
+
+    Args:
+        stage: fields of the struct `Stage`; None for options that the march does not have.
+        state: state.
+    """
+    return aligned(lib.scratch_size(_stage(stage), state.pointer))
+
+
+def _stage(parts: dict[str, Struct | None]) -> Any:
+    return ffi.new("Stage *", {name: part.pointer for name, part in parts.items() if part})
+
+
 def march(
     stage: dict[str, Struct | None],
     state: Struct,
     records: Struct,
-    scratch: Struct,
+    scratch: FloatArray,
     step: int,
     steps: int,
     record_every: int,
@@ -167,7 +181,7 @@ def march(
         stage: fields of the struct `Stage`; None for options that the march does not have.
         state: state, which is advanced in place.
         records: arrays that get a row at multiples of ``record_every``.
-        scratch: working arrays.
+        scratch: what `working_array` returns.
         step: number of the first step.
         steps: number of steps to do.
         record_every: number of steps between records.
@@ -175,8 +189,9 @@ def march(
     Returns:
         status (RUNNING or DIVERGED), the number of the last step, and the number of records.
     """
-    parts = ffi.new("Stage *", {name: part.pointer for name, part in stage.items() if part})
     reached = ffi.new("int64_t[2]")
-    pointers = [part.pointer for part in (state, records, scratch)]
-    status = lib.march(parts, *pointers, step, steps, record_every, reached)
+    arena = {"at": ffi.from_buffer("double *", scratch), "size": scratch.size}
+    status = lib.march(
+        _stage(stage), state.pointer, records.pointer, arena, step, steps, record_every, reached
+    )
     return status, reached[0], reached[1]

@@ -8,7 +8,7 @@
 #ifndef TURNING_H
 #define TURNING_H
 
-#include "forces.h"
+#include "fields.h"
 
 /* Return the scalar product of a row and a padded vector. */
 static inline double product(const Matrix *rows, int64_t row, const double *x)
@@ -58,7 +58,7 @@ static double full_loss(const Gyroscopic *g, const double *moved)
 /* Return d^T D d with d = (x_{n+1} - x_{n-1}) / 2; `moved` is scratch. */
 static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, double *moved)
 {
-    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
+    int64_t rows = rotor->own.rows, columns = rotor->own.columns, half = rotor->half;
     const double *at = g->loss.at;
     Half lost = half_splat(0.0);
     for (int64_t i = 0; i < x.entries; i += LANES)
@@ -114,7 +114,7 @@ static void add_full(const ModalMatrix *matrix, int64_t copy, int64_t modes, con
 static inline void blocks_product(const Rotor *rotor, const ModalMatrix *g, const double *f,
                                   const double *from, double *out, int crossing)
 {
-    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
+    int64_t rows = rotor->own.rows, columns = rotor->own.columns, half = rotor->half;
     const double *at = g->blocks.at;
     for (int64_t h = 0; h < half; h += HALF)
         for (int64_t m = 0; m < rows; m += ROWS) {
@@ -170,50 +170,6 @@ static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, const
     for (int64_t i = 0; i < x.entries; i += LANES)
         store(f + i, further ? add(load(x.new + i), load(further + i)) : load(x.new + i));
     add_product(rotor, &g->inverse, x.entries, f, x.old, x.new);
-}
-
-/* Do the same as `correct_rotor` for coupled modes; x_{n+1} contains the response to `along`, and
- * `forces` is scratch. */
-static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64_t size, int mixed,
-                                  double ratio, const double *along, Motion x, FieldScratch *f,
-                                  ContactScratch *c, double *forces)
-{
-    Friction friction = rotor_columns(rotor, size, mixed, ratio, c);
-    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
-    const double *push_at = c->columns.at + PUSH * c->columns.columns;
-    const double *drag_at = c->columns.at + friction.drag * c->columns.columns;
-    Lanes slides = splat(friction.ratio), on_normal = splat(0.0), on_shear = on_normal;
-    if (half == 0) {
-        for (int64_t i = 0; i < columns; i += LANES)
-            store(forces + i, muladd(slides, load(drag_at + i), load(push_at + i)));
-        add_full(&g->inverse, 0, g->inverse.full.rows, forces, x.new, x.new);
-    }
-    for (int64_t h = 0; h < columns; h += LANES) {
-        Lanes push = load(push_at + h), pull = load(push_at + half + h), column = splat(0.0);
-        Lanes drag = mul(slides, load(drag_at + h)), cross = mul(slides, load(drag_at + half + h));
-        for (int64_t i = h; i < rows * columns; i += columns) {
-            Lanes moved = load(x.new + i), weight = load(rotor->radial.at + i);
-            if (half > 0) {
-                moved = muladd(push, load(g->normal.at + i), moved);
-                moved = muladd(pull, load(g->normal_across.at + i), moved);
-                moved = muladd(drag, load(g->shear.at + i), moved);
-                moved = muladd(cross, load(g->shear_across.at + i), moved);
-                store(x.new + i, moved);
-            }
-            Lanes change = sub(moved, load(x.old + i));
-            Lanes shear = mul(cross, load(rotor->crossed.at + i));
-            shear = muladd(drag, load(rotor->tangential.at + i), shear);
-            Lanes normal = mul(push, weight);
-            if (along)
-                normal = add(normal, load(along + i));
-            on_normal = muladd(change, normal, on_normal);
-            on_shear = muladd(change, shear, on_shear);
-            column = muladd(weight, moved, column);
-        }
-        store(f->rotor.at + h, column);
-    }
-    c->work.at[0] = 0.5 * total(on_normal);
-    c->work.at[1] = 0.5 * total(on_shear);
 }
 
 #endif

@@ -11,7 +11,7 @@
 #undef march
 
 #define PARAMETERS                                                                                 \
-    const Stage *stage, State *state, Records *records, Scratch *scratch, int64_t step,            \
+    const Stage *stage, State *state, Records *records, Vector scratch, int64_t step,              \
         int64_t steps, int64_t record_every, int64_t *reached
 #define ARGUMENTS stage, state, records, scratch, step, steps, record_every, reached
 
@@ -28,3 +28,11 @@ int march(PARAMETERS)
     return march_baseline(ARGUMENTS);
 }
 #endif
+
+int64_t scratch_size(const Stage *stage, const State *state)
+{
+    Scratch scratch;
+    Arena arena = {.at = NULL};
+    lay_scratch(&arena, stage, state, &scratch);
+    return arena.used;
+}

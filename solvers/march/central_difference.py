@@ -6,7 +6,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start, WallCoating
+from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
@@ -14,6 +14,7 @@ from bladewhirl.solvers.kernel.structs import (
     lib,
     march,
     padded,
+    working_array,
     zeros,
 )
 from bladewhirl.solvers.march.march import (
@@ -26,13 +27,7 @@ from bladewhirl.solvers.march.march import (
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure, pack_coating
 from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
-from bladewhirl.solvers.packing.nodes import (
-    DIRECTIONS,
-    node_sizes,
-    pack_node_coating,
-    pack_nodes,
-)
-from bladewhirl.solvers.packing.rotor import pack_gyroscopic, pack_rotor
+from bladewhirl.solvers.packing.rotor import DIRECTIONS, pack_gyroscopic, pack_rotor
 from bladewhirl.solvers.packing.speed import pack_drive, pack_speed
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_fuse, pack_springs
 
@@ -76,37 +71,31 @@ class CentralDifference:
             [load.casing for load in problem.loads],
             time_step,
             cyclic=self.cyclic[1],
-            friction=problem.friction if problem.rotor.nodes is None else None,
+            friction=None if problem.sliding == "full" else problem.friction,
         )
-        change = problem.change
-        turning = None if change is None else change.rotor
-        self._spins = turning is not None
-        self._stiffens4 = turning is not None and turning.stiffness_speed4 is not None
-        self._arrangements, self._nodes = (rotor, casing), pack_nodes(problem, time_step)
+        self._arrangements = rotor, casing
         bodies = self._rotor.body, self._casing.body
         self._stage = {
             "rotor": self._rotor,
             "casing": self._casing,
             "springs": pack_springs(problem, self._arrangements),
             "dampers": pack_dampers(problem, bodies, self._arrangements, time_step),
-            "gyroscopic": pack_gyroscopic(problem, self._rotor, rotor, time_step),
+            "gyroscopic": pack_gyroscopic(problem, rotor, time_step),
             "closure": pack_closure(problem.closure),
             "coating": pack_coating(problem),
             "foreshortening": pack_foreshortening(problem, rotor, time_step, cyclic=self.cyclic[0]),
-            "nodes": self._nodes,
-            "node_coating": pack_node_coating(problem),
             "numbers": _numbers(problem, time_step),
         }
         self._stage["speed"] = pack_speed(problem, rotor, self._stage, self._pack_coupled)
         self._stage["drive"] = pack_drive(problem, rotor)
         self._stage["fuse"] = pack_fuse(problem, rotor)
-        self._scratch = Struct("Scratch", **self._working_arrays())
         # State and records are copied to and from arrays that are used again, as making and
         # checking new ones takes longer.
         self._state = Struct("State", **zeros("State", self._sizes()))
         self._records = Struct(
             "Records", **zeros("Records", self._sizes() | {"records": 0, "driven_records": 0})
         )
+        self._scratch = working_array(self._stage, self._state)
         #: whether records contain the motion of the casing; if not, its arrays have no columns
         self.records_casing = True
 
@@ -118,9 +107,8 @@ class CentralDifference:
         like = self._stage["gyroscopic"]
         return {
             "rotor": packed,
-            "gyroscopic": pack_gyroscopic(problem, packed, arrangement, dt, like),
+            "gyroscopic": pack_gyroscopic(problem, arrangement, dt, like),
             "foreshortening": pack_foreshortening(problem, arrangement, dt, cyclic=cyclic),
-            "nodes": pack_nodes(problem, dt),
         }
 
     def init(self) -> KernelState:
@@ -132,11 +120,10 @@ class CentralDifference:
         arrays["gap"] = problem.initial_gap()
         arrays["until"] -= 1.0
         arrays["direction"][:, 0::2] = np.sign(turned.speed)
-        if problem.start.contact_force.size and arrays["force"].size:
+        if problem.start.contact_force.size:
             arrays["force"] = problem.start.contact_force.reshape(arrays["force"].shape).copy()
         if problem.coating is not None:
-            strain = np.atleast_2d(problem.coating.strain)
-            arrays["strain"][:, : strain.shape[1]] = strain
+            arrays["strain"][:] = problem.coating.strain
         rotor, casing = (
             arrangement.unpack(arrays[name][0])
             for arrangement, name in zip(self._arrangements, ("rotor", "casing"), strict=True)
@@ -259,66 +246,26 @@ class CentralDifference:
         """Return the lengths of the arrays in state and records, by their names in `kernel.h`."""
         rotor, casing = self._arrangements
         tips, coating = len(self._problem.rotor.tip_angle), self._problem.coating
-        bending = self._stage["foreshortening"]
-        tracks, rods = (0, 0) if coating is None else np.atleast_2d(coating.strain).shape
+        copies, bending = self._problem.rotor.copies, self._stage["foreshortening"]
+        tracks, rods = (0, 0) if coating is None else coating.strain.shape
         return {
-            **node_sizes(self._problem),
-            "spun": rotor.entries if self._spins else 0,
-            "spun4": rotor.entries if self._spins and self._stiffens4 else 0,
             "rotation_numbers": lib.ROTATION_NUMBERS if self._problem.change is not None else 0,
-            "spun_drive": rotor.entries if self._spins and self._problem.drive is not None else 0,
             "drive_numbers": 0 if self._problem.drive is None else lib.DRIVE_NUMBERS,
             "rotor_entries": rotor.entries,
             "casing_entries": casing.entries,
             "tips": tips,
+            "copies": copies,
+            "components": DIRECTIONS * tips // copies,
+            "twice_nodes": 2 * tips // copies,
+            "all_components": DIRECTIONS * tips,
             "tracks": tracks,
-            "rods_wide": 0 if coating is None else rods + lib.HALF,
+            "rods": rods,
             "coated_tips": 0 if coating is None else tips,
             "coating_sums": 0 if coating is None else lib.COATING_SUMS,
             "bent_tips": 0 if bending is None else tips,
             "bent_wide": 0 if bending is None else padded(tips),
             "term_lanes": 0 if bending is None else bending.sign.shape[1],
         }
-
-    def _working_arrays(self) -> Arrays:
-        """Return the working arrays of the kernel, which every call overwrites."""
-        rotor, casing = self._arrangements
-        springs, dampers = self._stage["springs"], self._stage["dampers"]
-        wide, closed = len(self._rotor.position), self._casing.radial.start.shape[1]
-        # Contact forces act at two nodes a tip, forces of a coating at all nodes at most.
-        coated = int(isinstance(self._problem.coating, WallCoating))
-        solved = self._sizes()["group"] if self._nodes else len(self._problem.rotor.tip_angle)
-        bending = self._stage["foreshortening"]
-        most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
-        scratch = zeros(
-            "Scratch",
-            self._sizes()
-            | {
-                "wide": wide,
-                "solved": solved,
-                "solved_wide": padded(solved),
-                "node_casing": casing.entries if self._nodes else 0,
-                "twice_wide": max(2 * wide, coated * closed),
-                "closed": closed,
-                "closed_tips": padded(wide + 1),
-                "bent_entries": 0 if bending is None else rotor.entries,
-                "answered_tips": 0 if bending is None else len(bending.answers),
-                "closed_coating": coated * closed,
-                "coated_rotor": coated * rotor.entries,
-                "coated_casing": coated * casing.entries,
-                # All columns, a copy of the first half, and unused entries of the last register.
-                "sums": max(padded(a.columns + a.half + lib.LANES) for a in self._arrangements),
-                "entries": max(rotor.entries, casing.entries),
-                "ends": lib.HALF * wide,
-                "bordered": solved + 1,
-                "tableau": 2 * solved + 2,
-                "waves": len(springs.factor) if springs else 0,
-                "patterns": len(self._problem.loads),
-                "dampers": max(most),
-            },
-        )
-        scratch["contact"]["others"] += 1.0 - np.eye(solved, padded(solved))
-        return scratch
 
     def _chunk(self, written: int, after: KernelState) -> Chunk:
         """Return a copy of the records written."""
@@ -370,20 +317,21 @@ class CentralDifference:
     def _node_records(self, written: int) -> dict[str, FloatArray]:
         """Return motion and forces of contact nodes with their own flexibility, if there are
         any."""
-        nodes, records = self._nodes, self._records
-        if nodes is None:
+        rotor, records = self._problem.rotor, self._records
+        if rotor.nodes is None:
             return {}
-        copies, tips = self._problem.rotor.copies, len(self._problem.rotor.tip_angle)
-        components, modes = nodes.contact.shape
+        copies, tips, compliance = rotor.copies, len(rotor.tip_angle), rotor.compliance
+        contact = rotor.contact
+        components, modes = contact.shape
         motion = self._arrangements[0].unpack(records.rotor[:written])
         force = records.force[:written].reshape(written, copies, components)
-        moved = motion.reshape(written, copies, modes) @ nodes.columns
-        change, compliance = self._problem.change, nodes.compliance
+        moved = motion.reshape(written, copies, modes) @ contact.T
+        change = self._problem.change
         if change is not None and change.compliance is not None:
             time = records.step[:written] * self._time_step
             compliance = change.compliance.at(change.course.speed(time))
-        if nodes.massless:
-            each = "rcij" if compliance.ndim > nodes.compliance.ndim else "cij"
+        if compliance is not None:
+            each = "rcij" if compliance.ndim > 3 else "cij"
             moved = moved + np.einsum(f"rcj,{each}->rci", force, compliance)
         slope = self._problem.slope
         moved, force = (
@@ -401,20 +349,18 @@ class CentralDifference:
         if coating is None:
             return None
         sums = records.coating[:written].copy()
-        strain = after.arrays["strain"][:, : -lib.HALF]
         return CoatingRecords(
             coating_impulse=records.coating_impulse[:written].copy(),
-            coating_work=sums[:, lib.COATING_WORK] if self._nodes is None else np.zeros(0),
             wear_volume=sums[:, lib.REMOVED],
             wear_dissipated=sums[:, lib.DISSIPATED],
             coating_energy=sums[:, lib.STORED],
             wear_time=np.array([after.step * self._time_step]),
-            coating_strain=strain.reshape(1, *coating.strain.shape),
+            coating_strain=after.arrays["strain"][None],
         )
 
 
 def _numbers(problem: ContactProblem, dt: float) -> Struct:
-    rotor, casing = problem.rotor, problem.casing
+    casing = problem.casing
     per_radian = len(casing.nodal) / (2.0 * np.pi)
     return Struct(
         "Numbers",
@@ -422,12 +368,9 @@ def _numbers(problem: ContactProblem, dt: float) -> Struct:
         angle_per_step=problem.speed * dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,
-        sliding=float(np.sign(problem.speed)),
         is_signed=float(problem.sliding == "signed"),
+        tip_rotation=float(problem.tip_rotation),
         speed=problem.speed,
-        wheel_speed=rotor.tip_radius * problem.speed,
-        radius=rotor.tip_radius,
-        elements_per_metre=per_radian / rotor.tip_radius if problem.tip_rotation else 0.0,
         displacement_limit=problem.displacement_limit,
         gap_scale=float(np.abs(casing.clearance[:, 0]).min()),
         loads=load_times(problem.loads),

@@ -32,14 +32,11 @@ class CoatingRecords:
 
     coating_impulse: FloatArray
     """Part of the normal impulse that acts on the coating [N s], (records, tips)."""
-    coating_work: FloatArray = absent()
-    """Work of the normal forces of the coating [J], (records,); empty if it is not separate."""
     wear_volume: FloatArray  #: volume removed since the start [m3], (records,)
     wear_dissipated: FloatArray  #: energy dissipated by the removal [J], (records,)
     coating_energy: FloatArray  #: elastic energy of the rods under the tips [J], (records,)
     wear_time: FloatArray  #: time of each profile [s], (profiles,)
-    coating_strain: FloatArray
-    """Plastic strain of each rod, (profiles, tracks, rods); (profiles, rods) of a single track."""
+    coating_strain: FloatArray  #: plastic strain of each rod, (profiles, tracks, rods)
 
 
 @dataclass(frozen=True, kw_only=True)

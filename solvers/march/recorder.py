@@ -18,7 +18,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.stage.contact_problem import NodeCoating, WallCoating, rod_angles
+from bladewhirl.models.stage.contact_problem import WallCoating, rod_angles
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords, coating_steps, joined
 from bladewhirl.solvers.march.schema import (
     COATING,
@@ -255,7 +255,7 @@ class Records:
 def result_bytes(
     stage: StageArrays,
     timing: Timing,
-    coating: WallCoating | NodeCoating | None,
+    coating: WallCoating | None,
     blades: int | None = None,
 ) -> int:
     """Return the size of a result [bytes]; its histories are stored in whole chunks of HDF5.
@@ -272,7 +272,7 @@ def result_bytes(
     variables = [*histories_of(stage).values()]
     if coating is not None:
         variables += COATING.values()
-        tracks, rods = np.atleast_2d(coating.strain).shape
+        tracks, rods = coating.strain.shape
         sizes |= {"rod": rods, "track": tracks}
         lengths |= {"rod": rods, "wear_time": 1 + timing.steps // coating_steps(timing)}
     total = 0
@@ -312,8 +312,6 @@ def histories_of(stage: StageArrays) -> dict[str, Variable]:
 def coating_records(coating: CoatingRecords) -> dict[str, Values]:
     """Return the records of a coating that a march has, by the names of the schema."""
     records = {name: np.asarray(values) for name, values in vars(coating).items()}
-    strain = records["coating_strain"]
-    records["coating_strain"] = strain if strain.ndim == 3 else strain[:, None]
     return {name: records[name] for name in COATING if name in records and records[name].size}
 
 

@@ -29,7 +29,7 @@ from bladewhirl.solvers.march.march import (
     Statistics,
     joined,
 )
-from bladewhirl.solvers.packing.nodes import DIRECTIONS
+from bladewhirl.solvers.packing.rotor import DIRECTIONS
 
 TRIALS = 4
 """Number of corrections of the velocity at a change: forces due to velocities depend on it."""
@@ -207,9 +207,7 @@ class SuddenChanges:
             for name, values in state.arrays.items()
         }
         arrays["until"] -= 1.0
-        arrays["held"][change.tips] = 0.0
-        if arrays["force"].size:
-            arrays["force"].reshape(-1, DIRECTIONS)[change.tips] = 0.0
+        arrays["force"].reshape(-1, DIRECTIONS)[change.tips] = 0.0
         for name in ("gap", "gaps"):
             arrays[name][..., change.tips] = change.reach
         place = arrays["work"], lib.EXTERNAL

@@ -216,11 +216,6 @@ def folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     return aligned_copy(np.vstack([rows, last]))
 
 
-def by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
-    """Return the response to a normal force with friction for sliding directions -1, 0 and 1."""
-    return np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)])
-
-
 def lengthened(values: FloatArray) -> FloatArray:
     """Return arrays whose rows are padded with zeros to whole registers, (..., padded)."""
     out = aligned((*values.shape[:-1], padded(values.shape[-1])))

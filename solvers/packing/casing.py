@@ -3,22 +3,18 @@ Arrays of its closure and of its coating."""
 
 import numpy as np
 
-from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
-    NodeCoating,
     ReducedCasing,
     WallClosure,
-    WallCoating,
 )
-from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib
+from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     Arrangement,
     Harmonics,
     by_column,
-    by_sliding,
     dense_arrangement,
     folded,
     lengthened,
@@ -33,7 +29,7 @@ def pack_casing(
     dt: float,
     *,
     cyclic: bool,
-    friction: float | None = None,
+    friction: float | None,
 ) -> tuple[Arrangement, Struct]:
     """Return the arrangement and the arrays of a casing.
 
@@ -42,7 +38,8 @@ def pack_casing(
         loads: modal forces of each load pattern, (modes,) each.
         dt: time step [s].
         cyclic: whether to treat harmonics separately.
-        friction: friction coefficient for the array `compliance`; if None, this array is empty.
+        friction: friction coefficient of nodes that slide in a given direction; None if friction is
+            opposite to the slip velocity.
     """
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:
@@ -75,11 +72,7 @@ def pack_casing(
             (lib.U_KIND, lib.U_SLOPE, half, aligned(clearance.shape)),
         )
     )
-    blocks = np.zeros(0)
-    if friction is not None and not modes:
-        blocks = np.zeros((3, lib.HALF, lib.HALF))  # one block for all elements
-    elif friction is not None:
-        blocks = _compliance(casing, nodal_response(casing, dt), friction, cyclic=cyclic)
+    tables = _compliance(casing, dt, friction, cyclic=cyclic) if modes else np.zeros(0)
     return arrangement, Struct(
         "Casing",
         body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
@@ -88,7 +81,7 @@ def pack_casing(
         fold=folded(shape, arrangement),
         half=half,
         shared=cyclic,
-        compliance=aligned_copy(blocks.reshape(-1)),
+        compliance=aligned_copy(tables.reshape(-1)),
         spacing=1 if cyclic else nodes if nodes > 1 and modes else 0,
         modes=modes,
         nodes=nodes,
@@ -117,35 +110,24 @@ def pack_closure(closure: WallClosure | None) -> Struct | None:
 
 
 def pack_coating(problem: ContactProblem) -> Struct | None:
-    """Return the coating; None if the casing has none."""
-    coating, casing = problem.coating, problem.casing
-    if not isinstance(coating, WallCoating):
+    """Return the coating; None if the wall has none."""
+    coating, closure, casing = problem.coating, problem.closure, problem.casing
+    if coating is None:
         return None
-    rods = len(coating.strain)
-    per_element = rods / len(casing.nodal)
-    at = (np.arange(rods) + 0.5) / per_element
-    element = np.floor(at).astype(np.int64)
-    hermite = aligned((4, rods + lib.HALF))  # registers extend beyond the last rod
-    hermite[:, :rods] = cubic_weights(at - element, casing.element_length)
+    # The kernel computes the slope of a flexible casing itself.
+    steepest = 0.0 if casing.is_flexible else float(np.abs(casing.clearance[:, 1]).max())
+    if closure is not None:
+        steepest += abs(closure.course.largest) * float(np.abs(closure.share[:, 1]).max())
+    names = ("thickness", "young_modulus", "yield_stress", "hardening", "limit")
     return Struct(
         "Coating",
-        hermite=hermite,
-        element=element,
-        until=np.searchsorted(element, element, side="right"),
-        rods_per_element=per_element,
-        friction=coating.friction,
-        **coating_law(coating),
-    )
-
-
-def coating_law(coating: WallCoating | NodeCoating) -> Arrays:
-    """Return the fields that the structs of both kinds of coating have."""
-    names = ("thickness", "young_modulus", "yield_stress", "hardening", "limit")
-    return {
-        "half": coating.footprint / coating.arc / 2.0,
-        "area": coating.arc * coating.width,
+        half=np.tile(coating.footprint / coating.arc / 2.0, problem.rotor.copies),
+        track=np.tile(coating.track, problem.rotor.copies),
+        area=coating.arc * coating.width,
+        rods=coating.strain.shape[1],
+        steepest=steepest * casing.radius,
         **{name: getattr(coating, name) for name in names},
-    }
+    )
 
 
 def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:
@@ -182,35 +164,27 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     return harmonics.arrangement(place), np.array(weights), harmonics.shape
 
 
-def nodal_response(casing: ReducedCasing, dt: float) -> FloatArray:
-    """Return the change of w, w', u and u' at each node due to unit forces within a time step dt,
-    (nodes, 4, nodes, 4); the first two indices are those of the force."""
+def _compliance(
+    casing: ReducedCasing, dt: float, friction: float | None, *, cyclic: bool
+) -> FloatArray:
+    """Return the displacements of both ends of each element due to unit forces at the ends of each
+    element within a time step dt. An end has a value and a slope.
+
+    Returns:
+        tables of blocks of 4 x 4 (force, displacement) for every pair of elements, (tables,
+        elements, elements, 4, 4), or, for a cyclic casing, for every difference of the numbers of
+        two elements, from -nodes to nodes - 1, (tables, 2 * elements, 4, 4). The tables are w for
+        the sliding directions -1, 0 and 1; without `friction`, w due to forces along w and u, and u
+        due to these forces.
+    """
     nodes, kinds, modes = casing.nodal.shape
     rows = casing.nodal.reshape(nodes * kinds, modes)
     forces = rows * scheme_inverse(casing.frequency, casing.damping_ratio, dt)
-    return np.asarray(forces @ rows.T).reshape(nodes, kinds, nodes, kinds)
-
-
-def _compliance(
-    casing: ReducedCasing, response: FloatArray, friction: float, *, cyclic: bool
-) -> FloatArray:
-    """Return the response of the four nodal values in each element to unit forces in each element.
-
-    The response is given for the sliding directions -1, 0 and 1.
-
-    Returns:
-        blocks of 4 x 4 for every pair of elements, (3, elements, elements, 4, 4); for a cyclic
-        casing, a block for every difference of the numbers of two elements, from -nodes to
-        nodes - 1, (3, 2 * elements, 4, 4).
-    """
-    nodes, response = len(casing.nodal), response[:, :, :, :2]
+    response = (forces @ rows.T).reshape(nodes, 2, 2, nodes, 2, 2)  # node, w or u, value or slope
     ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
-    pressed, dragged = (
-        response[ends][:, :, force]
-        .reshape(nodes, 4, nodes, 2)[:, :, ends]
-        .reshape(nodes, 4, nodes, 4)
-        .transpose(2, 0, 1, 3)
-        for force in ([lib.W_KIND, lib.W_SLOPE], [lib.U_KIND, lib.U_SLOPE])
-    )
-    blocks = by_sliding(pressed, dragged, friction)
-    return np.tile(blocks[:, :, 0], (1, 2, 1, 1)) if cyclic else blocks
+    pairs = response[ends[:1] if cyclic else ends][:, :, :, :, ends]
+    # force element, end, w or u, slope; displacement element, end, w or u, slope
+    tables = pairs.transpose(6, 2, 4, 0, 1, 3, 5, 7).reshape(4, nodes, -1, 4, 4)
+    if friction is not None:
+        tables = np.array([tables[0] + s * friction * tables[1] for s in (-1.0, 0.0, 1.0)])
+    return np.tile(tables[:, :, 0], (1, 2, 1, 1)) if cyclic else tables

@@ -1,19 +1,17 @@
-"""Arrays of the rotor: by harmonic for a cyclic rotor, otherwise dense for each copy. Arrays for
-the coupling of its modes by Coriolis forces and damping."""
+"""Arrays of the rotor and its contact nodes: by harmonic for a cyclic rotor, otherwise dense for
+each copy. Arrays for the coupling of its modes by Coriolis forces and damping."""
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
-from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
+from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     PAIR,
     Arrangement,
     Harmonics,
     by_column,
-    by_sliding,
-    dense_arrangement,
     folded,
     lengthened,
     pack_body,
@@ -32,6 +30,10 @@ ALIKE = 1e-12
 largest."""
 
 
+DIRECTIONS = 3
+"""Components of the displacement of a contact node: radial, tangential, axial."""
+
+
 def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
     """Return the arrangement and the arrays of the rotor.
 
@@ -44,67 +46,82 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         ValueError: modes do not vary as their DFT columns.
     """
     rotor = problem.rotor
-    if rotor.nodes is not None:
-        return _pack_copies(problem, dt)
-    tips, modes = rotor.tip_radial.shape
-    (inverse,), turning = rotor_inverses(rotor, dt), rotor.by_velocity is not None
-    if cyclic:
-        fold = tips >= FOLDED and not turning and problem.foreshortening is None
-        harmonics = Harmonics(tips, fold=fold, unit=lib.HALF, alone=turning)
-        arrangement = harmonics.arrangement(harmonics.place[rotor.column])
-        radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
-        if not np.abs(across).max(initial=0.0) <= FIT * np.abs(radial).max(initial=0.0):
-            raise ValueError(
-                "a cyclic rotor's mode pairs must be aligned to the tips' radial motion"
-            )
-        tangential, crossed = harmonics.amplitudes(rotor.tip_tangential, rotor.column)
-        shape, cross_shape = harmonics.shape, harmonics.crossed
-    else:
-        arrangement = dense_arrangement(modes)
-        radial, tangential, crossed = np.ones(modes), np.zeros(modes), np.ones(modes)
-        shape, cross_shape = map(arrangement.pack, (rotor.tip_radial, rotor.tip_tangential))
-    # radial response of the tips to unit forces at the tips
-    pressed, dragged = (
-        (rows @ inverse.T if turning else rows * inverse.diagonal()) @ rotor.tip_radial.T
-        for rows in (rotor.tip_radial, rotor.tip_tangential)
-    )
-    spread = aligned_copy(shape)
+    contact, inverses, flexible = rotor.contact, rotor_inverses(rotor, dt), rotor.compliance
+    compliance = contact @ inverses @ contact.T if flexible is None else flexible
+    made = _harmonics(problem, inverses[0]) if cyclic else _dense(rotor)
+    arrangement, arrays = made
     return arrangement, Struct(
         "Rotor",
         body=_body(problem, arrangement, dt),
-        radial=arrangement.grid(radial),
-        tangential=arrangement.grid(tangential),
-        crossed=arrangement.grid(crossed),
-        shape=by_column(shape, arrangement),
-        cross_shape=by_column(cross_shape, arrangement),
-        fold=folded(shape, arrangement),
-        spread=spread,
-        drag_spread=spread if cyclic else aligned_copy(cross_shape),
+        copies=rotor.copies,
         half=arrangement.half,
-        shared=cyclic,
-        w=by_sliding(pressed, dragged, problem.friction),
+        compliance=aligned_copy(compliance),
+        massless=float(flexible is not None),
+        full=float(problem.sliding == "full"),
+        **arrays,
         **_places(problem),
     )
 
 
-def _pack_copies(problem: ContactProblem, dt: float) -> tuple[Arrangement, Struct]:
-    """Return the arrangement and the arrays of a rotor with `ContactNodes`: a row of modes for each
-    copy. Its contact nodes have arrays of their own, see `pack_nodes`."""
-    rotor = problem.rotor
-    modes = rotor.tip_radial.shape[1]
-    columns = padded(modes, PAIR)
+def _harmonics(problem: ContactProblem, inverse: FloatArray) -> tuple[Arrangement, Arrays]:
+    """Return the arrangement of the modes by harmonic, and the weights of a blade's components.
+
+    Args:
+        problem: contact problem.
+        inverse: A^-1, see `rotor_inverses`.
+    """
+    rotor, turning = problem.rotor, problem.rotor.by_velocity is not None
+    blades = rotor.blades
+    fold = blades >= FOLDED and not turning and problem.foreshortening is None
+    harmonics = Harmonics(blades, fold=fold, unit=lib.HALF, alone=turning)
+    arrangement = harmonics.arrangement(harmonics.place[rotor.column])
+    # Forces on massless nodes act on the modes before the product with A^-1.
+    couples = turning and rotor.compliance is None
+    components = rotor.contact.reshape(blades, -1, len(inverse)).swapaxes(0, 1)
+    weights, answers, crosses = [], [], []
+    for rows in components:
+        own, across = harmonics.amplitudes(rows, rotor.column)
+        crosses.append(np.abs(across).max(initial=0.0) > FIT * np.abs(own).max(initial=0.0))
+        across = across * crosses[-1]
+        weights.append([arrangement.grid(each) for each in (own, across)])
+        answers.append(_answers(inverse, arrangement, own, across) if couples else [])
+    own, across = (aligned_copy(np.array(each)) for each in zip(*weights, strict=True))
+    answer = answer_across = own[:0]
+    if couples:
+        answer, answer_across = (
+            aligned_copy(np.array(each)) for each in zip(*answers, strict=True)
+        )
+    return arrangement, {
+        "contact": aligned((0, 0)),
+        "columns": aligned((DIRECTIONS, 0, 0)),
+        "own": own,
+        "across": across,
+        "crosses": np.array(crosses, dtype=np.int64),
+        "answer": answer,
+        "answer_across": answer_across,
+        "shape": by_column(harmonics.shape, arrangement),
+        "fold": folded(harmonics.shape, arrangement),
+        "spread": aligned_copy(harmonics.shape),
+    }
+
+
+def _dense(rotor: ReducedRotor) -> tuple[Arrangement, Arrays]:
+    """Return an arrangement with a row of modes for each copy, and the displacements of the contact
+    nodes of a copy."""
+    contact = rotor.contact
+    modes = contact.shape[1]
+    columns = padded(max(modes, 1), PAIR)
     place = columns * np.arange(rotor.copies)[:, None] + np.arange(modes)
     arrangement = Arrangement(rows=rotor.copies, columns=columns, entry=place.ravel(), used=modes)
-    names = "radial tangential crossed shape cross_shape fold spread drag_spread"
-    return arrangement, Struct(
-        "Rotor",
-        body=_body(problem, arrangement, dt),
-        **{name: aligned((0, lib.LANES)) for name in names.split()},
-        w=aligned((3, 0, 0)),
-        half=0,
-        shared=0,
-        **_places(problem),
-    )
+    by_direction = contact.reshape(-1, DIRECTIONS, modes).transpose(1, 2, 0)
+    none, empty = aligned((0, 0, 0)), aligned((0, lib.LANES))
+    return arrangement, {
+        "contact": aligned_copy(contact),
+        "columns": aligned_copy(by_direction),
+        **dict.fromkeys(("own", "across", "answer", "answer_across"), none),
+        "crosses": np.zeros(0, dtype=np.int64),
+        **dict.fromkeys(("shape", "fold", "spread"), empty),
+    }
 
 
 def _body(problem: ContactProblem, arrangement: Arrangement, dt: float) -> Struct:
@@ -117,6 +134,7 @@ def _places(problem: ContactProblem) -> dict[str, FloatArray]:
     angle, elements = problem.rotor.tip_angle, len(problem.casing.nodal)
     return {
         "position": lengthened(angle * elements / (2.0 * np.pi)),
+        "radius": lengthened(np.tile(problem.rotor.contact_radius, problem.rotor.copies)),
         "recess": lengthened(problem.metal_recess),
         "normal_part": lengthened(problem.rotor.normal_part),
     }
@@ -133,17 +151,12 @@ def rotor_inverses(rotor: ReducedRotor, dt: float) -> FloatArray:
 
 
 def pack_gyroscopic(
-    problem: ContactProblem,
-    packed: Struct,
-    arrangement: Arrangement,
-    dt: float,
-    like: Struct | None = None,
+    problem: ContactProblem, arrangement: Arrangement, dt: float, like: Struct | None = None
 ) -> Struct | None:
     """Return the coupling of the rotor modes by Coriolis forces; None without Coriolis forces.
 
     Args:
         problem: contact problem.
-        packed: arrays of the rotor.
         arrangement: arrangement of the rotor modes.
         dt: time step [s].
         like: the coupling at another speed, whose places of entries outside the blocks are kept.
@@ -152,14 +165,10 @@ def pack_gyroscopic(
     if rotor.by_velocity is None:
         return None
     inverses = rotor_inverses(rotor, dt)
-    cyclic = arrangement.half > 0
     damping = rotor.velocity_forces
     loss, full_loss = _losses((damping + damping.swapaxes(1, 2)) / 2.0, arrangement)
     stands_still = [0, 1] if rotor.circulation != 0.0 else []
     pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
-    normal, normal_across, shear, shear_across = (
-        _answers(inverses[0], arrangement, packed) if cyclic else 4 * [aligned((0, lib.LANES))]
-    )
     part = None if like is None else like.inverse
     return Struct(
         "Gyroscopic",
@@ -167,10 +176,6 @@ def pack_gyroscopic(
         loss=loss,
         full_loss=full_loss,
         loss_end=_ends(full_loss),
-        normal=normal,
-        normal_across=normal_across,
-        shear=shear,
-        shear_across=shear_across,
         circulation=arrangement.pack(pull[stands_still]),
         centre=arrangement.pack(rotor.centre[::-1][stands_still]),
     )
@@ -313,24 +318,23 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     return aligned_copy(np.concatenate(by_register)), aligned((0, lib.LANES))
 
 
-def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Struct) -> list[FloatArray]:
-    """Return the response of the modes of a cyclic rotor to forces at the tips, by column.
+def _answers(
+    inverse: FloatArray, arrangement: Arrangement, own: FloatArray, across: FloatArray
+) -> list[FloatArray]:
+    """Return the response of the modes of a cyclic rotor to forces on a component of the blades, in
+    the column of a mode and in its partner column, (rows, columns) each.
 
-    Returns:
-        response to normal forces in the column of a mode and in its partner column, then response
-        to friction forces in these columns, (rows, columns) each.
+    Args:
+        inverse: response of the modes to modal forces, (modes, modes).
+        arrangement: arrangement of the modes.
+        own: weight of each mode in its column, (modes,).
+        across: weight of each mode in the partner column, (modes,).
     """
-    columns, half = arrangement.columns, arrangement.half
+    columns = arrangement.columns
     modes, column = np.arange(len(inverse)), arrangement.entry % columns
-    partner = (column + half) % columns
-    answers = []
-    for direct, across in (
-        (rotor.radial, np.zeros_like(rotor.radial)),
-        (rotor.tangential, rotor.crossed),
-    ):
-        force = np.zeros((len(modes), columns))
-        force[modes, column] = direct.ravel()[arrangement.entry]
-        force[modes, partner] += across.ravel()[arrangement.entry]
-        answer = inverse @ force
-        answers += [arrangement.grid(answer[modes, each]) for each in (column, partner)]
-    return answers
+    partner = (column + arrangement.half) % columns
+    force = np.zeros((len(modes), columns))
+    force[modes, column] = own
+    force[modes, partner] += across
+    answer = inverse @ force
+    return [arrangement.grid(answer[modes, each]) for each in (column, partner)]

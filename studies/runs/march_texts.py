@@ -22,7 +22,7 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
         "version": folder.version(),
         "speed": stage.speed,
         "reference_frequency": stage.reference_frequency,
-        "friction": stage.case.contact.friction,
+        "friction": stage.case.wall_friction,
         "time_step": timing.time_step,
         "record_step": timing.record_step,
         "case": case_text,

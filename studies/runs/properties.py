@@ -107,10 +107,10 @@ def _coating(coating: WallCoating | None) -> dict[str, float] | None:
         return None
     footprint = float(coating.footprint.min())
     return {
-        "rods": len(coating.strain),
+        "rods": coating.strain.shape[1],
         "arc": coating.arc,  # m
         "footprint": footprint,  # of the narrowest tip [m]
-        "yield_force": coating.yield_stress * coating.width * footprint,  # N
+        "yield_force": coating.yield_stress * float(coating.width[0]) * footprint,  # N
     }
 
 

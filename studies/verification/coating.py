@@ -38,16 +38,17 @@ def coating(rods: int, tips: int = 1, *, footprint: float = 1.0, **values: Any) 
     """
     arc = 2.0 * np.pi / rods
     defaults: dict[str, Any] = {
-        "strain": np.zeros(rods),
+        "strain": np.zeros((1, rods)),
+        "axial": np.zeros(1),
+        "width": np.full(1, 1e-9),  # forces that a heavy tip does not feel
+        "track": np.zeros(tips, dtype=np.int64),
         "footprint": np.full(tips, footprint * arc),
-        "arc": arc,
-        "width": 1e-9,  # forces that a heavy tip does not feel
+        "radius": 1.0,
         "thickness": THICKNESS,
         "young_modulus": MODULUS,
         "yield_stress": YIELD,
         "hardening": HARDENING,
         "limit": 0.9,
-        "friction": 0.0,
     }
     return WallCoating(**defaults | values)
 
@@ -105,7 +106,7 @@ def single_rod() -> Pairs:
         )
         chunk = worn(marched(motion, dt, 2 * steps, every=steps))
         computed.append(chunk.coating_strain.max())
-        volume = given.area * THICKNESS
+        volume = float(given.arc * given.width[0]) * THICKNESS
         dissipated.append(chunk.wear_dissipated[-1] / volume)
         again.append(chunk.wear_volume[-1] / chunk.wear_volume[1] if computed[-1] else 1.0)
     beyond = MODULUS * depths / THICKNESS - YIELD
@@ -136,7 +137,7 @@ def lobes_of_prescribed_motion(ratio: str) -> Pairs:
         speed=speed,
         angle=0.5 * given.arc,
     )
-    recess = THICKNESS * worn(marched(motion, dt, rods * turns, every=rods)).coating_strain[-1]
+    recess = THICKNESS * worn(marched(motion, dt, rods * turns, every=rods)).coating_strain[-1, 0]
     removed = recess.mean() / row["mean_recess"]
     return {
         "recess_by_prescribed_motion": (
@@ -169,7 +170,7 @@ def oscillator(number: str, per_rod: int, turns: int) -> tuple[FloatArray, Float
     made = problem(body, casing, speed=speed)
     given = coating(
         rods,
-        width=with_["A"] / (2.0 * np.pi / rods),
+        width=np.full(1, with_["A"] / (2.0 * np.pi / rods)),
         thickness=with_["h0"],
         young_modulus=with_["E"],
         yield_stress=with_["sigma_y"],
@@ -178,7 +179,7 @@ def oscillator(number: str, per_rod: int, turns: int) -> tuple[FloatArray, Float
     every = rods * per_rod
     chunk = marched(replace(made, coating=given), dt, turns * every + 1, every=every)
     tip = chunk.rotor_displacement[1:, 0] * with_["m"] ** -0.5
-    return tip, worn(chunk).wear_volume[1:] / (given.area * rods)
+    return tip, worn(chunk).wear_volume[1:] / (with_["A"] * rods)
 
 
 @verifies()
@@ -224,9 +225,11 @@ def lobes_of_engine_orders(pair: tuple[int, int]) -> Pair:
         tip_angle=angle,
     )
     made = problem(rotor, wall(1e-3), loads=loads, speed=speed)
-    soft = coating(rods, blades, footprint=4.0, width=1e-3, young_modulus=1e6, yield_stress=1e3)
+    soft = coating(
+        rods, blades, footprint=4.0, width=np.full(1, 1e-3), young_modulus=1e6, yield_stress=1e3
+    )
     chunk = marched(replace(made, coating=soft), dt, 20_000, every=20_000)
-    return order, int(lobe_shares(worn(chunk).coating_strain[-1]).argmax()) + 1
+    return order, int(lobe_shares(worn(chunk).coating_strain[-1, 0]).argmax()) + 1
 
 
 @verifies()
@@ -245,7 +248,7 @@ def rigid_limit() -> Pair:
         angle=1.1 * stiff.arc,
     )
     pressed = worn(marched(motion, dt, 5000, every=5000)).coating_strain.max()
-    stopping = replace(stiff, width=1e-4 / stiff.arc)  # a yield force of 1 kN
+    stopping = replace(stiff, width=np.full(1, 1e-4 / stiff.arc))  # a yield force of 1 kN
     mass = point_mass(1.0, tip_angle=1.1 * np.array([stiff.arc]))
     start = {"rotor_velocity": np.array([1.0])}
     thrown = replace(problem(mass, wall(0.0), start=start), coating=stopping)

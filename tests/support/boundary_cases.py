@@ -11,10 +11,10 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
-    NodeCoating,
     ReducedCasing,
     ReducedRotor,
     Start,
+    WallCoating,
 )
 from bladewhirl.models.stage.ring import flexible_ring
 from bladewhirl.solvers.march.central_difference import CentralDifference
@@ -46,7 +46,7 @@ def bladed(
     *,
     massless: bool = True,
     ring: ReducedCasing | None = None,
-    coating: NodeCoating | None = None,
+    coating: WallCoating | None = None,
     by_velocity: FloatArray | None = None,
     **changes: Any,
 ) -> ContactProblem:
@@ -104,10 +104,10 @@ def casing(
     return flexible_ring(Case.model_validate(case)).reduced_casing
 
 
-def coating(tracks: FloatArray, footprint: float, *, limit: float = 0.9) -> NodeCoating:
+def coating(tracks: FloatArray, footprint: float, *, limit: float = 0.9) -> WallCoating:
     """720 rods in each track, for nodes with their positions along the axis."""
     axial = np.unique(tracks)
-    return NodeCoating(
+    return WallCoating(
         strain=np.zeros((len(axial), 720)),
         axial=axial,
         width=np.full(len(axial), 5e-3),
@@ -160,7 +160,7 @@ class Rods:
     """
 
     def __init__(self, p: ContactProblem, strain: FloatArray, node: int, angle: float) -> None:
-        assert isinstance(p.coating, NodeCoating)
+        assert isinstance(p.coating, WallCoating)
         self._coating, self._track = p.coating, int(p.coating.track[node])
         middle = 2.0 * np.pi * (np.arange(strain.shape[1]) + 0.5) / strain.shape[1]
         apart = np.abs(np.angle(np.exp(1j * (middle - angle)))) * p.coating.radius
@@ -266,7 +266,7 @@ def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     old = now - dt * rate + 0.5 * dt**2 * (pushed - slowing)
     slow_old = 0.5 * dt**2 * blown
     force, direction = np.zeros((count, 3)), np.tile([np.sign(p.speed), 0.0], (count, 1))
-    strain = p.coating.strain if isinstance(p.coating, NodeCoating) else np.zeros((0, 0))
+    strain = p.coating.strain if isinstance(p.coating, WallCoating) else np.zeros((0, 0))
     names = ("force", "q", "casing", "strain")
     out: dict[str, list[FloatArray]] = {name: [] for name in names}
     for step in range(steps + 1):

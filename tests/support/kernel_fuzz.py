@@ -104,16 +104,17 @@ def coating(given: ContactProblem, random: np.random.Generator) -> WallCoating:
     around = 2.0 * np.pi * given.casing.radius
     lost = float(given.casing.clearance[:, 0].min())
     return WallCoating(
-        strain=random.uniform(0.0, 0.1, rods),
+        strain=random.uniform(0.0, 0.1, (1, rods)),
+        axial=np.zeros(1),
+        width=np.full(1, 0.1),
+        track=np.zeros(tips, dtype=np.int64),
         footprint=random.uniform(0.5, 3.0, tips) * around / rods,
-        arc=around / rods,
-        width=0.1,
+        radius=given.casing.radius,
         thickness=float(random.choice([0.3, 3.0])) * lost,
         young_modulus=1e4,
         yield_stress=10.0,
         hardening=1e3,
         limit=float(random.choice([0.2, 1.0])),
-        friction=0.2,
     )
 
 

@@ -8,10 +8,11 @@ A = M / dt^2 + D / (2 dt)
 
     predict   A x_p = f_n - K_n x_n + 2 M / dt^2 x_n + (D / (2 dt) - M / dt^2) x_{n-1}
     look      g_p = clearance + B_N x_p
-    solve     0 <= lambda  perp  g_p + W lambda >= 0     W = B_N^T c (B_N + mu B_T S)
-    correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda
+    solve     0 <= lambda  perp  g = g_p + W (lambda + F(g)) >= 0     W = B_N^T c (B_N + mu B_T S)
+    correct   x_{n+1} = x_p + c (B_N + mu B_T S) (lambda + F(g))
 
-S is the diagonal matrix of the signs of sliding. D includes point dampers; c is the inverse of A
+S is the diagonal matrix of the signs of sliding, F the force of the rods of a coating. D includes
+ point dampers; c is the inverse of A
 without point dampers, because point dampers respond to a contact force from the next step on.
 Coriolis forces add Omega G / dt to A and to the factor of x_{n-1}. With Coriolis forces, c of the
 rotor includes Coriolis forces and point dampers. At a speed that varies A, K and the loads are
@@ -25,7 +26,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
+from bladewhirl.models.stage.contact_problem import ContactProblem, rod_angles
 from bladewhirl.solvers.march.march import (
     Chunk,
     CoatingRecords,
@@ -43,11 +44,9 @@ CHECK_EVERY = 100
 class Coated(NamedTuple):
     """Coating after a step, and its forces in the step."""
 
-    strain: FloatArray  #: plastic strain of each rod, (rods,)
+    strain: FloatArray  #: plastic strain of each rod, (tracks, rods)
     force: FloatArray  #: force on each tip [N], (tips,)
-    drag: FloatArray  #: friction force on each tip [N], (tips,)
-    pressed: FloatArray  #: modal normal forces
-    dragged: FloatArray  #: modal friction forces
+    slope: FloatArray  #: decrease of the force with the gap [N/m], (tips,)
     stored: float  #: elastic energy of the rods [J]
 
 
@@ -72,10 +71,10 @@ class Step(NamedTuple):
     after: FloatArray  #: displacements x_{n+1}, (modes,)
     gap: FloatArray  #: gap of each tip at x_{n+1} [m], (tips,)
     multiplier: FloatArray  #: normal contact force lambda [N], (tips,)
-    friction: FloatArray  #: friction force mu s lambda [N], (tips,)
+    friction: FloatArray  #: friction force mu s (lambda + F) [N], (tips,)
     force: FloatArray  #: modal loads f_n
-    pressed: FloatArray  #: modal normal contact forces B_N^T lambda
-    dragged: FloatArray  #: modal friction forces mu B_T^T S lambda
+    pressed: FloatArray  #: modal normal forces
+    dragged: FloatArray  #: modal friction forces
     circulated: FloatArray  #: modal forces of dampers in the static frame due to x_n
     damped: FloatArray  #: modal forces of point dampers and Coriolis forces
     coating: Coated  #: forces and state of the coating
@@ -97,8 +96,8 @@ class ReferenceState:
     touched: FloatArray  #: number of steps with contact since the last record, (tips,)
     contacts: int  #: number of tips in contact at the last step
     work: FloatArray
-    """External, normal, friction, damping, parametric, closing and coating work [J], (7,)."""
-    strain: FloatArray  #: plastic strain of each rod of the coating, (rods,)
+    """External, normal, friction, damping, parametric and closing work [J], (6,)."""
+    strain: FloatArray  #: plastic strain of each rod of the coating, (tracks, rods)
     coating_impulse: FloatArray  #: normal impulse on the coating since the last record, (tips,)
     stored: float  #: elastic energy of the coating [J]
     bend: FloatArray  #: see `Bent`
@@ -188,8 +187,8 @@ class Reference:
             drag=none,
             touched=none,
             contacts=0,
-            work=np.zeros(7),
-            strain=np.zeros(0) if coating is None else coating.strain,
+            work=np.zeros(6),
+            strain=np.zeros((1, 0)) if coating is None else coating.strain,
             coating_impulse=none,
             stored=0.0,
             bend=np.zeros((len(none), terms)),
@@ -235,16 +234,15 @@ class Reference:
         drag = self._by_velocity @ before / (2.0 * dt)
         free = self._inverse @ (force + circulated - restoring + inertia + drag)
         bent = self._bend(state, free)
-        coating = self._press_coating(free, n + 1, x - before, state.strain, bent)
-        free = free + self._inverse @ (coating.pressed + coating.dragged)
         normal, tangential, clearance = self._rows(free, n + 1)
         normal, clearance = normal + bent.gradient, clearance + bent.start
         slides = self._problem.friction * self._sliding(tangential, x - before)
         free_gap = clearance + normal @ free
         response = self._compliance @ (normal + slides[:, None] * tangential).T
         delassus = normal @ response
-        multiplier = complementary(free_gap, delassus)
-        after = free + response @ multiplier
+        multiplier, coating = self._solve(free_gap, delassus, free, n + 1, state.strain)
+        force_on_tips = multiplier + coating.force
+        after = free + response @ force_on_tips
         late = self._late @ (free - before)
         damped = (self._felt @ (after - before) + late) / (2.0 * dt)
         gap = clearance + normal @ after
@@ -255,15 +253,15 @@ class Reference:
             after=after,
             gap=gap,
             multiplier=multiplier,
-            friction=slides * multiplier,
+            friction=slides * force_on_tips,
             force=force,
-            pressed=multiplier @ normal,
-            dragged=(slides * multiplier) @ tangential,
+            pressed=force_on_tips @ normal,
+            dragged=(slides * force_on_tips) @ tangential,
             circulated=circulated,
             damped=damped,
             coating=coating,
             bent=bent,
-            residual=float(violated / scale) if multiplier.any() and scale > 0.0 else 0.0,
+            residual=float(violated / scale) if force_on_tips.any() and scale > 0.0 else 0.0,
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
@@ -275,10 +273,7 @@ class Reference:
         touching = force > 0.0
         turned = self._spring_force(n, x) - self._spring_force(n - 1, x)
         lost = moved @ (self._damping * moved) / dt + moved @ step.damped
-        on_coating = moved @ coating.pressed
-        normal = moved @ step.pressed + on_coating
-        friction = moved @ step.dragged + moved @ coating.dragged
-        done = [moved @ step.force, normal, friction, lost]
+        done = [moved @ step.force, moved @ step.pressed, moved @ step.dragged, lost]
         turning = 0.5 * before @ turned + moved @ step.circulated
         closing = 0.5 * step.multiplier @ (step.gap - state.gaps[0])
         before_it = state.statistics
@@ -289,10 +284,10 @@ class Reference:
             gaps=(state.gaps[1], step.gap),
             gap=np.minimum(state.gap, step.gap),
             impulse=state.impulse + dt * force,
-            drag=state.drag + dt * (step.friction + coating.drag),
+            drag=state.drag + dt * step.friction,
             touched=state.touched + touching,
             contacts=int(touching.sum()),
-            work=state.work + np.array([*done, turning, closing, on_coating]),
+            work=state.work + np.array([*done, turning, closing]),
             strain=coating.strain,
             coating_impulse=state.coating_impulse + dt * coating.force,
             stored=coating.stored,
@@ -414,46 +409,90 @@ class Reference:
             start[tip] = -0.5 * (sign[tip] * bend[tip] ** 2).sum()
         return Bent(bend, until, checked, gradient, start)
 
-    def _press_coating(
-        self, x: FloatArray, n: int, moved: FloatArray, strain: FloatArray, bent: Bent
-    ) -> Coated:
-        """Press the tips at displacements x at step n into the rods of the coating."""
+    def _solve(
+        self,
+        free_gap: FloatArray,
+        delassus: FloatArray,
+        x: FloatArray,
+        n: int,
+        strain: FloatArray,
+    ) -> tuple[FloatArray, Coated]:
+        """Return the forces of the metal on the tips, and the coating, at step n.
+
+        The forces of the rods in the complementarity problem are linearised again and again.
+
+        Raises:
+            ArithmeticError: the linearisations do not converge.
+        """
+        none = np.zeros_like(free_gap)
+        if self._problem.coating is None:
+            return complementary(free_gap, delassus), Coated(strain, none, none, 0.0)
+        under = self._rods(x, n)
+        gap, last, share = free_gap.copy(), np.inf, 1.0
+        scale = max(self._problem.casing.clearance[:, 0].min(), np.abs(free_gap).max())
+        for _ in range(400):
+            coated = self._press(np.maximum(gap, 0.0), under, strain)
+            linear = np.linalg.inv(np.eye(len(gap)) + delassus * coated.slope)
+            known = linear @ (
+                free_gap + delassus @ (coated.force + coated.slope * np.maximum(gap, 0.0))
+            )
+            multiplier = complementary(known, linear @ delassus)
+            step = known + linear @ delassus @ multiplier - gap
+            change = np.abs(step).max()
+            if change <= 1e-15 * scale:
+                return multiplier, coated
+            share = 1.0 if change < 0.5 * last else max(0.5 * share, 0.125)
+            gap, last = gap + share * step, change
+        raise ArithmeticError("the forces of the coating do not converge")
+
+    def _rods(self, x: FloatArray, n: int) -> list[tuple[FloatArray, FloatArray]]:
+        """Return the rods under each tip at displacements x at step n, and the wall at each of them
+        less the wall at the tip [m]."""
         problem, rotor, coating = self._problem, self._problem.rotor, self._problem.coating
-        none, tips = np.zeros(len(x)), np.zeros(len(rotor.tip_angle))
-        if not isinstance(coating, WallCoating):
-            return Coated(strain, tips, tips, none, none, 0.0)
-        strain = strain.copy()
+        assert coating is not None
         angle = rotor.tip_angle + problem.angle_at(n * self._dt)
         if problem.tip_rotation:
             angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
-        _, tangential, _ = self._rows(x, n)
-        signs = self._sliding(tangential, moved)
-        pressed, dragged, stored, force = none.copy(), none.copy(), 0.0, tips.copy()
-        rods = len(strain)
+        rods, found = coating.strain.shape[1], []
+        radial, _, clearance = self._wall_rows(angle, n)
+        here = clearance + radial @ x[self._rotor_modes :]
         for tip, place in enumerate(np.mod(angle, 2.0 * np.pi) * rods / (2.0 * np.pi)):
             half = coating.footprint[tip] / coating.arc / 2.0
             first, last = np.ceil(place - half - 0.5), np.floor(place + half - 0.5)
             under = np.arange(int(first), int(last) + 1) % rods
-            radial, along, clearance = self._wall_rows(coating.angle[under], n)
-            outward = rotor.tip_radial[tip] @ x[: self._rotor_modes] - rotor.tip_recess[tip]
-            outward -= bent.start[tip] + bent.gradient[tip] @ x
-            depth = outward - clearance - radial @ x[self._rotor_modes :]
-            stress = coating.young_modulus * (depth / coating.thickness - strain[under])
-            beyond = stress - coating.yield_stress - coating.hardening * strain[under]
-            grown = np.maximum(beyond, 0.0) / (coating.young_modulus + coating.hardening)
-            after = np.minimum(strain[under] + grown, np.maximum(coating.limit, strain[under]))
-            stress = np.maximum(stress - coating.young_modulus * (after - strain[under]), 0.0)
-            strain[under] = after
-            volume, on_rods = coating.area * coating.thickness, stress * coating.area
-            stored += float(0.5 * volume * (stress**2).sum() / coating.young_modulus)
-            force[tip] = on_rods.sum()
-            on_tip = force[tip] * (rotor.tip_radial[tip] - bent.gradient[tip, : self._rotor_modes])
-            pressed += np.concatenate([-on_tip, on_rods @ radial])
-            slides = coating.friction * signs[tip]
-            on_tip = force[tip] * rotor.tip_tangential[tip]
-            dragged += slides * np.concatenate([-on_tip, on_rods @ along])
-        drag = coating.friction * signs * force
-        return Coated(strain, force, drag, pressed, dragged, stored)
+            radial, _, clearance = self._wall_rows(rod_angles(rods)[under], n)
+            found.append((under, clearance + radial @ x[self._rotor_modes :] - here[tip]))
+        return found
+
+    def _press(
+        self, gap: FloatArray, under: list[tuple[FloatArray, FloatArray]], strain: FloatArray
+    ) -> Coated:
+        """Press the tips at gaps to the metal into the rods under them, see `_rods`."""
+        coating = self._problem.coating
+        assert coating is not None
+        strain, stored = strain.copy(), 0.0
+        young, hardening, area = (
+            coating.young_modulus,
+            coating.hardening,
+            coating.arc * coating.width[0],
+        )
+        force, slope = np.zeros_like(gap), np.zeros_like(gap)
+        for tip, (rods, offset) in enumerate(under):
+            worn = strain[0, rods]
+            depth = coating.removable - gap[tip] - offset
+            stress = young * (depth / coating.thickness - worn)
+            grown = np.maximum(stress - coating.yield_stress - hardening * worn, 0.0)
+            grown = np.where(stress > 0.0, grown / (young + hardening), 0.0)
+            most = np.maximum(coating.limit - worn, 0.0)
+            yields = (grown > 0.0) & (grown <= most)
+            grown = np.minimum(grown, most)
+            rate = np.where(yields, young * hardening / (young + hardening), young)
+            slope[tip] = area / coating.thickness * (rate * (stress > 0.0)).sum()
+            stress = np.maximum(stress - young * grown, 0.0)
+            strain[0, rods] = worn + grown
+            stored += float(0.5 * area * coating.thickness * (stress**2).sum() / young)
+            force[tip] = area * stress.sum()
+        return Coated(strain, force, slope, stored)
 
     def _gap(self, x: FloatArray, n: int) -> FloatArray:
         """Return the gap of each tip at step n [m], (tips,)."""
@@ -493,7 +532,7 @@ class Reference:
             np.reshape([getattr(state, name) for state in states], (len(states), tips))
             for name in ("gap", "impulse", "drag", "touched")
         )
-        work = np.reshape([state.work for state in states], (len(states), 7))
+        work = np.reshape([state.work for state in states], (len(states), 6))
         return Chunk(
             step=step,
             time=np.asarray(step * self._dt, dtype=np.float64),
@@ -513,24 +552,23 @@ class Reference:
             damping_work=work[:, 3],
             coupling_work=work[:, 4],
             closing_work=work[:, 5],
-            coating=self._coating_records(states, work[:, 6], after),
+            coating=self._coating_records(states, after),
         )
 
     def _coating_records(
-        self, states: list[ReferenceState], work: FloatArray, after: ReferenceState
+        self, states: list[ReferenceState], after: ReferenceState
     ) -> CoatingRecords | None:
         coating = self._problem.coating
-        if not isinstance(coating, WallCoating):
+        if coating is None:
             return None
-        rows = (len(states), len(coating.strain))
-        strain = np.reshape([state.strain for state in states], rows)
-        first, volume = coating.strain, coating.area * coating.thickness
+        strain = np.reshape([state.strain[0] for state in states], (len(states), -1))
+        first = coating.strain[0]
+        volume = coating.arc * coating.width[0] * coating.thickness
         plastic = coating.yield_stress * (strain - first)
         plastic += 0.5 * coating.hardening * (strain**2 - first**2)
         impulse = [state.coating_impulse for state in states]
         return CoatingRecords(
             coating_impulse=np.reshape(impulse, (len(states), len(after.gap))),
-            coating_work=work,
             wear_volume=volume * (strain - first).sum(axis=1),
             wear_dissipated=volume * plastic.sum(axis=1),
             coating_energy=np.array([state.stored for state in states]),

@@ -11,10 +11,10 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Load,
-    NodeCoating,
     ReducedCasing,
     ReducedRotor,
     Start,
+    WallCoating,
 )
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import EndReason
@@ -62,7 +62,7 @@ def test_the_compiled_march_is_that_of_plain_numpy(kind: str, massless: bool) ->
         largest = np.abs(values).max(initial=0.0)
         plainly = expected[name].reshape(values.shape)
         assert values == pytest.approx(plainly, abs=1e-9 * largest)
-    if chunk.coating is None or not isinstance(problem.coating, NodeCoating):
+    if chunk.coating is None or not isinstance(problem.coating, WallCoating):
         assert ledger(chunk) < 1e-9
         return
     worn = problem.coating

@@ -25,8 +25,8 @@ Sliding = Literal["permanent", "signed"]
 
 def test_columns_that_the_displacements_do_not_follow_are_refused() -> None:
     given = stage_problem(5, 8)
-    turned = replace(given.rotor, tip_radial=np.roll(given.rotor.tip_radial, 1, axis=0))
-    with pytest.raises(ValueError, match=r"aligned to the tips' radial|do not match"):
+    turned = replace(given.rotor, tip_radial=given.rotor.tip_radial[[1, 0, 2, 3, 4]])
+    with pytest.raises(ValueError, match="do not match"):
         run(replace(given, rotor=turned), 1e-7, 1)
     mixed = replace(given.casing, column=np.roll(given.casing.column, 1))
     with pytest.raises(ValueError, match="do not match their displacements; give column -1"):

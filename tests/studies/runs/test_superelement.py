@@ -127,7 +127,6 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"casing__coating": UNMARKED | {"footprint": 1e-4}}, "less than one rod in a time step"),
     ({"casing__coating": UNMARKED | {"footprint": 1e-12}}, "for at most 100000 rods"),
     ({"casing__coating": UNMARKED | {"footprint": 5.0}}, "less than the radius of the tips"),
-    ({"casing__coating": UNMARKED | {"friction": 0.3}}, "the value of contact.friction"),
     # The first modes are not radial.
     ({"initial": {"tip_displacement": [[1e-5, 2e-4]] * 3}}, "a motion that the modes can have"),
     ({"initial": {"centre_velocity": [1.0, 0.0]}}, "motion of the tips only"),
