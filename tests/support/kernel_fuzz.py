@@ -3,8 +3,8 @@
 Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
 are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
 forces, signed sliding, tips that turn, closing casings, coatings, blades that shorten, and a speed
-that varies. Each stage has to agree to 1e-9 and to keep the energy balance, except where NumPy finds
-no contact forces. A stage is made from its number alone, so a finding is repeated by
+that varies. Each stage has to agree to 1e-9 and to keep the energy balance, except where NumPy
+finds no contact forces. A stage is made from its number alone, so a finding is repeated by
 `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
 """
 
