@@ -25,7 +25,7 @@ import re
 import shlex
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -33,7 +33,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 RUN = ("python", "console")
-SHORT = 0.05
+SHORT = 0.2
 """Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
@@ -150,17 +150,13 @@ def shortened(words: list[str]) -> list[str]:
     """Return the words of a command that marches, sweeps and films little, see above."""
     from bladewhirl import read_case
 
-    options = {"--frames": _two, "--over": _ends}
-    if words[0] in ("render", "export", "plot"):  # instants may lie beyond a short march
-        options |= {"--from": None, "--to": None, "--time": None}
+    kept: dict[str, Callable[[str], str]] = {"--frames": _two, "--over": _ends}
+    beyond = {"--from", "--to", "--time"} if words[0] in ("render", "export", "plot") else set()
     short, sets = words[:1], []
-    for option, word in pairwise(words):
-        if option in options:
-            kept = options[option]
-            short += [kept(word)] if kept else []
-        elif word not in options or options[word]:
-            short.append(word)
-        if option == "--set":
+    for before, word in pairwise(words):
+        if before not in beyond and word not in beyond:  # instants may lie beyond a short march
+            short.append(kept[before](word) if before in kept else word)
+        if before == "--set":
             sets.append(word)
     if words[0] in ("run", "sweep") and "--resume" not in words:
         march = read_case(words[1], sets).march

@@ -2,10 +2,10 @@
 
 Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
 are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
-forces, signed sliding, tips that turn, closing casings, coatings and blades that shorten. Each
-stage has to agree to 1e-9 and to keep the energy balance, except where NumPy finds no contact
-forces. A stage is made from its number alone, so a finding is repeated by `--first NUMBER
---count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
+forces, signed sliding, tips that turn, closing casings, coatings, blades that shorten, and a speed
+that varies. Each stage has to agree to 1e-9 and to keep the energy balance, except where NumPy
+finds no contact forces. A stage is made from its number alone, so a finding is repeated by
+`--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
 """
 
 import argparse
@@ -18,6 +18,7 @@ from reference_march import Reference
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
+from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
@@ -26,6 +27,7 @@ from bladewhirl.models.stage.contact_problem import (
     WallCoating,
 )
 from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.varying_speed import SpeedChange
 from bladewhirl.solvers.kernel import structs
 from bladewhirl.solvers.march.central_difference import CentralDifference
 
@@ -131,6 +133,13 @@ def shortening(given: ContactProblem, random: np.random.Generator) -> Foreshorte
     )
 
 
+def course(given: ContactProblem, dt: float, random: np.random.Generator) -> SpeedCourse:
+    """A speed that rises and falls about that of the problem, and may pass zero."""
+    times = np.cumsum(random.uniform(5.0, 30.0, 3)) * dt
+    speeds = given.speed + random.normal(0.0, 10.0 + 0.5 * abs(given.speed), 3)
+    return SpeedCourse.through(times.tolist(), speeds.tolist(), float(2.0 * dt))
+
+
 def check(number: int) -> bool:
     """March the stage of a number in every way; return whether NumPy could."""
     random = np.random.default_rng([number, 33])
@@ -145,6 +154,8 @@ def check(number: int) -> bool:
         given = replace(given, coating=coating(given, random))
     if random.integers(2):
         given = replace(given, foreshortening=shortening(given, random))
+    if given.rotor.by_velocity is None and random.integers(2):
+        given = replace(given, change=SpeedChange(course=course(given, dt, random)))
     every = int(random.integers(1, 9))
     plain = Reference(given, dt, every)
     try:

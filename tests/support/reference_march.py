@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, rod_angles
 from bladewhirl.solvers.march.march import (
     Chunk,
@@ -236,7 +236,7 @@ class Reference:
         bent = self._bend(state, free)
         normal, tangential, clearance = self._rows(free, n + 1)
         normal, clearance = normal + bent.gradient, clearance + bent.start
-        slides = self._problem.friction * self._sliding(tangential, x - before)
+        slides = self._problem.friction * self._sliding(tangential, x - before, n + 1)
         free_gap = clearance + normal @ free
         response = self._compliance @ (normal + slides[:, None] * tangential).T
         delassus = normal @ response
@@ -330,15 +330,15 @@ class Reference:
     def _spring_force(self, n: float, x: FloatArray) -> FloatArray:
         """Return K*_n x of the coupling springs, of unequal static shaft springs and of the change
         of the speed, (modes,)."""
-        change, modes = self._problem.change, self._rotor_modes
-        if change is not None:
-            turned = self._problem.rotation_at(n * self._dt)
+        problem, modes = self._problem, self._rotor_modes
+        turned, force = problem.rotation_at(n * self._dt), np.zeros_like(x)
+        if problem.change is not None:
             still = np.zeros(modes)
-            force = change.change_of_force(self._problem.speed, turned, x[:modes], still)
-            return np.concatenate([-force, np.zeros(len(x) - modes)])
-        if self._problem.springs is None and self._problem.rotor.anisotropy == 0.0:
-            return np.zeros_like(x)
-        return self._problem.spring_stiffness(self._problem.angle_at(n * self._dt)) @ x
+            lacking = problem.change.change_of_force(problem.speed, turned, x[:modes], still)
+            force[:modes] = -lacking
+        if problem.springs is None and problem.rotor.anisotropy == 0.0:
+            return force
+        return np.asarray(force + problem.spring_stiffness(turned.angle) @ x)
 
     def _rows(self, x: FloatArray, n: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus
@@ -501,14 +501,15 @@ class Reference:
         opened = 0.0 if bending is None else bending.opening(x[: self._rotor_modes])
         return clearance + normal @ x + opened
 
-    def _sliding(self, tangential: FloatArray, moved: FloatArray) -> FloatArray:
-        """Return the sign of the sliding velocity of each tip, from the motion in the last step,
-        (tips,)."""
+    def _sliding(self, tangential: FloatArray, moved: FloatArray, n: int) -> FloatArray:
+        """Return the sign of the sliding velocity of each tip at step n, from the speed at this
+        step and the motion in the last but one, (tips,)."""
         problem = self._problem
-        speed = np.full(len(tangential), problem.speed)  # of one sign
+        turning = problem.speed_at(n * self._dt)
+        speed = np.full(len(tangential), turning)
         if problem.sliding == "signed":
             # The product of the tangential rows and a forward motion of a blade is negative.
-            speed = problem.rotor.tip_radius * problem.speed - tangential @ moved / self._dt
+            speed = problem.rotor.tip_radius * turning - tangential @ moved / self._dt
         return np.asarray(np.sign(speed))
 
     def _keeps_limit(self, x: FloatArray, n: int) -> bool:
@@ -545,6 +546,7 @@ class Reference:
             friction_impulse=drag,
             contact_steps=touched.astype(np.int64),
             contacts=np.array([state.contacts for state in states], dtype=np.int64),
+            **self._rotations(step),
             energy=np.array([energy for _, _, energy in records]),
             external_work=work[:, 0],
             normal_work=work[:, 1],
@@ -554,6 +556,13 @@ class Reference:
             closing_work=work[:, 5],
             coating=self._coating_records(states, after),
         )
+
+    def _rotations(self, step: IntArray) -> dict[str, FloatArray]:
+        """Return angle and speed at recorded steps if the speed varies."""
+        if self._problem.change is None:
+            return {}
+        course, time = self._problem.change.course, step * self._dt
+        return {"rotation_angle": course.angle(time), "rotation_speed": course.speed(time)}
 
     def _coating_records(
         self, states: list[ReferenceState], after: ReferenceState

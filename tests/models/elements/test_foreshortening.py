@@ -62,7 +62,7 @@ def test_a_blade_bent_to_a_parabola_draws_back_by_the_closed_form() -> None:
             2.0 * rise / max(place[node], 1e-9),
         )
     bent = np.linalg.lstsq(fields.reshape(-1, disk.structure.size), target.ravel(), rcond=None)[0]
-    rows, signs = drawback(disk, bent[:, None], blade, around=False)
+    rows, signs = drawback(disk, np.asarray(bent[:, None], np.float64), blade, around=False)
     drawn = 0.5 * signs @ rows[:, 0] ** 2
     assert drawn == pytest.approx(2.0 * height**2 / (3.0 * length), rel=1e-9)
 
