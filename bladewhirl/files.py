@@ -9,6 +9,7 @@ import csv
 import errno
 import json
 import os
+import re
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -22,6 +23,11 @@ FILES = "files written by bladewhirl"  #: key under which a manifest lists files
 
 LARGEST_TEXT, LONGEST_CELL = 2_000_000_000, 1000
 """Largest size of a text file of the user [bytes], and largest length of a cell in it."""
+
+_CODE = re.compile(
+    "invalid literal|could not convert|unpack|broadcast|reshape|shape mismatch|index "
+)
+"""Parts of the messages of Python and NumPy about code."""
 
 PREFIX = ".bladewhirl-"  #: start of the names of the temporary folders in which files are written
 
@@ -43,6 +49,14 @@ def open_text(file: str | os.PathLike[str], errors: str = "strict") -> TextIO:
     if os.path.exists(file) and os.path.getsize(file) > LARGEST_TEXT:
         raise OSError(errno.EFBIG, f"it is larger than {LARGEST_TEXT / 1e9:g} GB", os.fspath(file))
     return open(file, encoding="utf-8-sig", errors=errors)
+
+
+def reason_of(error: Exception) -> str:
+    """Return the text of an error of a library on one line; nothing if it is about its code and not
+    about the file, such as the name of a missing key."""
+    text = " ".join(str(error).split())
+    inner = KeyError | IndexError | TypeError | AttributeError | AssertionError | NameError
+    return "" if isinstance(error, inner) or _CODE.search(text) else text
 
 
 def plain(text: str) -> str:

@@ -1,5 +1,6 @@
 """Reference pages in Markdown, generated from the program."""
 
+import ast
 import inspect
 import re
 from collections.abc import Iterator, Mapping
@@ -14,6 +15,7 @@ from typer.core import TyperGroup
 from typer.main import get_command
 
 import bladewhirl as bw
+from bladewhirl.meshes.files import abaqus_faces, abaqus_reader, ansys, nastran_bulk
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import FIXED_PHRASES, KINDS, TABLE_ERRORS, tables_in
 from bladewhirl.models.inputs.errors import toml_value
@@ -198,7 +200,45 @@ def _documented(name: str, thing: Any) -> str:
     return f".. autoclass:: {name}\n{options}\n"
 
 
+def decks() -> str:
+    """Return a table of what is read from each format of decks, taken from the readers."""
+    keywords = {
+        str(node.value.value)
+        for node in ast.walk(ast.parse(inspect.getsource(abaqus_reader)))
+        if isinstance(node, ast.MatchValue) and isinstance(node.value, ast.Constant)
+    }
+    rows = {
+        "Abaqus, CalculiX": (
+            abaqus_faces.SOLIDS,
+            keywords,
+            abaqus_reader.HARMLESS,
+            abaqus_reader.CHANGES_THE_MESH,
+        ),
+        "Ansys": (
+            [f"SOLID{number}" for number in ansys.SOLIDS],
+            [*ansys.USED.values(), *ansys.CONSTANTS],
+            ansys.HARMLESS,
+            ansys.COMMANDS,
+        ),
+        "Nastran": (
+            nastran_bulk.CELLS,
+            [name for name in nastran_bulk.USED if name not in nastran_bulk.CELLS],
+            nastran_bulk.HARMLESS,
+            (*nastran_bulk.OTHER_SOLIDS, "INCLUDE"),
+        ),
+    }
+    heads = ("elements of solids", "other entries that are read", "harmless", "refused")
+    parts = []
+    for name, listed in rows.items():
+        parts.append(f"{name}\n")
+        for head, names in zip(heads, listed, strict=True):
+            parts.append(f": {head}: {', '.join(f'`{one}`' for one in sorted(names))}\n")
+        parts.append("")
+    return "\n".join(parts)
+
+
 GENERATED = {
+    "decks": decks,
     "case-keys": case_keys,
     "commands": commands,
     "results": partial(schema_table, RESULT),

@@ -44,6 +44,7 @@ class AbaqusMesh:
     couplings: list[tuple[str, list[int], list[int]]] = field(default_factory=list)
     """Keyword, reference node and nodes of each coupling whose nodes move as a rigid body."""
     constraints: set[str] = field(default_factory=set)  #: other keywords that connect nodes
+    held: dict[int, set[int]] = field(default_factory=dict)  #: node -> displacements that are held
     instances: dict[str, tuple[dict[int, int], dict[int, int]]] = field(default_factory=dict)
     """Instance in capitals -> numbers of its nodes and elements by their numbers in the part."""
     counted: list[int] = field(default_factory=lambda: [0])

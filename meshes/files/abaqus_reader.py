@@ -25,8 +25,24 @@ CHANGES_THE_MESH = frozenset(
     ["SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
 )
 
-CONSTRAINTS = frozenset(["EQUATION", "MPC", "TIE", "CONTACT PAIR", "EMBEDDED ELEMENT"])
-"""Keywords that connect nodes, of which only matrices take account."""
+HARMLESS = frozenset(
+    line.strip()
+    for line in """
+    HEADING, PREPRINT, RESTART, END PART, ASSEMBLY, END ASSEMBLY, STEP, END STEP, STATIC, FREQUENCY,
+    BUCKLE, STEADY STATE DYNAMICS, MODAL DYNAMIC, DYNAMIC, COMPLEX FREQUENCY, CONTROLS, OUTPUT,
+    NODE OUTPUT, ELEMENT OUTPUT, CONTACT OUTPUT, NODE PRINT, EL PRINT, NODE FILE, EL FILE, MONITOR,
+    FILE FORMAT, SECTION PRINT, CONTACT FILE, CONTACT PRINT, ENERGY OUTPUT, SELECT CYCLIC SYMMETRY
+    MODES, CYCLIC SYMMETRY MODEL, CLOAD, DLOAD, DSLOAD, TEMPERATURE, FIELD, AMPLITUDE, INITIAL
+    CONDITIONS, PHYSICAL CONSTANTS, EXPANSION, CONDUCTIVITY, SPECIFIC HEAT, PLASTIC, ORIENTATION,
+    TRANSFORM, SOLID SECTION, SHELL SECTION, MEMBRANE SECTION, BEAM SECTION, BEAM GENERAL SECTION,
+    SURFACE SECTION, SURFACE, SURFACE INTERACTION, SURFACE BEHAVIOR, FRICTION, DISTRIBUTION,
+    DISTRIBUTION TABLE, PARAMETER, DIAGNOSTICS, USER MATERIAL, DEPVAR, MASS, ROTARY INERTIA,
+    SPRING, DASHPOT, CONNECTOR SECTION, VISUALIZATION, INCLUDE, VIEWFACTOR, MODAL DAMPING,
+    CONTACT CONTROLS, SECTION CONTROLS, HOURGLASS STIFFNESS, BASE MOTION, TIME POINTS, PRINT
+    """.replace("\n    ", " ").split(",")
+)
+"""Keywords that say nothing about the linear motion at rest, or belong to elements that are named.
+"""
 
 NODES, ELEMENTS = 0, 1
 
@@ -76,6 +92,8 @@ class _Deck:
                 self._here, self._instance = self.whole, None
             case "END PART" | "ASSEMBLY":
                 self._here = self.whole
+            case "BOUNDARY" if self._here is not self.whole:
+                self.whole.constraints.add("*BOUNDARY of a part")
             case _:
                 _read(card, self._here)
 
@@ -144,12 +162,16 @@ def _read(card: Card, content: AbaqusMesh) -> None:
             content.masses.append(("inertia", card.needs("ELSET"), real(card.rows[0][-1])))
         case "COUPLING" | "RIGID BODY" | "KINEMATIC COUPLING" | "KINEMATIC" | "DISTRIBUTING":
             _read_coupling(card, content)
-        case keyword if keyword in CONSTRAINTS and "CYCLIC SYMMETRY" not in card.parameters:
-            content.constraints.add(f"*{keyword}")
+        case "BOUNDARY":
+            _read_boundary(card, content)
+        case "TIE" if "CYCLIC SYMMETRY" in card.parameters:
+            pass
         case keyword if keyword in CHANGES_THE_MESH:
             raise MeshFileError(
                 f"an .inp file without *{keyword}, with all nodes and elements listed"
             )
+        case keyword if keyword not in HARMLESS:
+            content.constraints.add(f"*{keyword}")
 
 
 def _read_nodes(card: Card, content: AbaqusMesh) -> None:
@@ -243,10 +265,12 @@ def _read_members(card: Card, content: AbaqusMesh, kind: int, name: str) -> None
     placed = None if instance is None else content.instances[instance.upper()][kind]
     for row in card.rows:
         first, last, step = ([whole(value) for value in row if value] + [1])[:3]
-        if not (first <= last and step > 0):
-            raise MeshFileError(f"ranges from a number to a larger one, got {', '.join(row)}")
-        run = range(first, last + 1, step)
-        content.count((last - first) // step + 1)
+        if not step or (last - first) % step or (last - first) // step < 0:
+            raise MeshFileError(
+                f"ranges whose step leads from the first number to the last, got {', '.join(row)}"
+            )
+        run = range(first, last + (1 if step > 0 else -1), step)
+        content.count(len(run))
         content.extend(
             sets, name, run if placed is None else (placed[n] for n in run if n in placed)
         )
@@ -284,6 +308,23 @@ def _read_surface(card: Card, content: AbaqusMesh) -> None:
     content.count(len(content.elements) if "" in faces else 0)
     nodes = [node for face, of in faces.items() for node in surface_nodes(content, of, face)]
     content.extend(content.node_sets, card.needs("NAME"), nodes)
+
+
+AXES = {"ENCASTRE": {1, 2, 3}, "PINNED": {1, 2, 3}, "XSYMM": {1}, "YSYMM": {2}, "ZSYMM": {3}}
+AXES |= {"XASYMM": {2, 3}, "YASYMM": {1, 3}, "ZASYMM": {1, 2}}
+"""Displacements that the names of boundary conditions hold."""
+
+
+def _read_boundary(card: Card, content: AbaqusMesh) -> None:
+    """Read the displacements that are held."""
+    for row in card.rows:
+        first, last, value = (*row[1:4], "", "", "")[:3]
+        if value and real(value):
+            content.constraints.add("*BOUNDARY of motions")
+            continue
+        axes = AXES.get(first.upper()) or {*range(whole(first), whole(last or first) + 1)}
+        for node in _named(row[0], content, NODES):
+            content.held.setdefault(node, set()).update(axes & {1, 2, 3})
 
 
 def _read_coupling(card: Card, content: AbaqusMesh) -> None:

@@ -47,6 +47,8 @@ class SolidMesh(NamedTuple):
     held: str = ""  #: set of the nodes whose displacements the file fixes, if there is one
 
 
+HELD = "*BOUNDARY"  #: name of the group of the nodes that the file holds
+
 OTHERS = re.compile("(MASS|ROTARYI|SPRING|DASHPOT|CONN|S[3-9]|SC|STRI|B3|PIPE|M3D|GAP)")
 """Start of the names of elements that change the motion of a solid. Others, such as CPS3, are taken
 for faces and edges of the solid, as which Gmsh writes them."""
@@ -84,11 +86,13 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
             " are not read"
         )
     cells = [(SOLIDS[kind], np.array(rows)) for kind, rows in solids.items()]
+    whole = [node for node, axes in content.held.items() if len(axes) == 3 and node in place]
+    groups = content.groups() | ({HELD: whole} if whole else {})
     members = {name: [cell[n] for n in m if n in cell] for name, m in content.element_sets.items()}
     mesh = meshio.Mesh(
         np.array([*content.points.values()]).reshape(-1, 3),
         cells or [(POINT, np.zeros((0, 1), dtype=np.int64))],
-        point_sets=by_place(content.groups(), place),
+        point_sets=by_place(groups, place),
         cell_sets={
             name: [np.array([row for k, row in chosen if k == kind], dtype=int) for kind in solids]
             for name, chosen in members.items()
@@ -99,11 +103,14 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
         *(mesh, tuple(solids), tuple(_sections(content))),
         ignored=(*_ignored(content),),
         rigid=(*_rigid_bodies(content, place),),
+        held=HELD if 2 * len(whole) > len(content.held) else "",
     )
 
 
 def _ignored(content: AbaqusMesh) -> Iterator[str]:
     yield from sorted(content.constraints)
+    if partly := sum(0 < len(axes) < 3 for axes in content.held.values()):
+        yield f"{HELD} of single displacements of {partly} nodes"
     for kind, count in Counter(content.types.values()).items():
         if OTHERS.match(kind):
             yield f"{count} elements {kind}"

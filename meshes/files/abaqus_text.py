@@ -22,7 +22,7 @@ WITH_INPUT = frozenset(["INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET"])
 MOST_FILES = 1000  #: largest number of times that files are read in the place of a keyword
 DEEPEST = 20  #: largest number of files of which each names the next
 
-SNIFFED = 200  #: number of lines in which Abaqus text is recognised
+SNIFFED = 200  #: number of lines in which the format of a text is recognised
 
 
 @dataclass
@@ -91,15 +91,19 @@ def cards(path: Path, *, follow: bool = True, outside: bool = False) -> Iterator
     yield card
 
 
-def is_abaqus_text(path: Path) -> bool:
-    """Return whether the first line of a file that is no comment is a keyword of Abaqus."""
+def head_of(path: Path) -> list[str]:
+    """Return the first lines of a file; nothing if it cannot be read."""
     try:
         with open_text(path, errors="replace") as stream:
-            lines = [line.strip() for line in islice(stream, SNIFFED)]
+            return [line.strip() for line in islice(stream, SNIFFED)]
     except OSError:
-        return False
+        return []
+
+
+def is_abaqus_text(lines: list[str]) -> bool:
+    """Return whether the first line of a file that is no comment is a keyword of Abaqus."""
     first = next((line for line in lines if line and not line.startswith("**")), "")
-    return re.match(r"\*\s*[A-Za-z]", first) is not None
+    return re.match(r"\*\s*[A-Za-z][A-Za-z ]*(,|$)", first) is not None and "*SET," not in first
 
 
 def _card(line: str, place: str) -> Card:

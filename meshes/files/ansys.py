@@ -6,8 +6,8 @@ and materials of the elements; both are read here and passed to it as further co
 
 import io
 import re
-from collections import defaultdict
-from collections.abc import Iterator
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import meshio
@@ -31,15 +31,50 @@ OTHERS = {"tetra": "C3D4", "tetra10": "C3D10", "wedge": "C3D6", "wedge15": "C3D1
 
 SOLIDS = (185, 186, 187)  #: numbers of the elements that are read
 
+FORMER = {45: 185, 64: 185, 73: 185, 95: 186, 92: 187}
+"""Numbers of former elements of solids, and of those that replace them."""
+
+NAMES = {
+    14: "COMBIN14",
+    21: "MASS21",
+    27: "MATRIX27",
+    39: "COMBIN39",
+    40: "COMBIN40",
+    184: "MPC184",
+}
+"""Elements beside solids that are left out and named."""
+
 CONTACT = range(169, 180)  #: numbers of the elements of contact
 
 COMMANDS = frozenset("/INP *DO *DOW *REP *USE *CRE *GO NGEN EGEN FILL NMOD NSCA".split())
 """First four letters of commands that read files, repeat others or change the mesh."""
 
-CONSTRAINTS = ("CE", "CERIG", "CP")  #: commands that connect nodes
+USED = {
+    **{name[:4]: name for name in ("ETBLOCK", "KEYOPT", "NBLOCK", "EBLOCK", "CMBLOCK")},
+    **{name[:4]: name for name in ("ET", "MP", "MPDATA", "N", "D", "*SET")},
+}
+"""Commands that are read, by the first four letters, which are those that matter; N is the end of
+NBLOCK."""
 
-IGNORED = (*CONTACT, 154, 200)
-"""Numbers of elements that are left out: contact, loads on surfaces, and empty meshes."""
+HARMLESS = frozenset(
+    (
+        "/COM /PRE /NOP /GOP /TIT /STI /UNI /BAT /OUT /SOL /CON /INQ /FIL *IF *ELS *END *GET *DEL"
+        " MPTE FINI ALLS NSEL ESEL CMSE DOFS ANTY NLGE NCNV TIME TREF TUNI BFUN BF BFE BFBL F SF"
+        " SFE SFEB SFCU ACEL OMEG CMOM DOME CGLO CGOM IRLF AUTO NSUB DELT KBC EQSL RESC OUTR OUTP"
+        " TIMI NUMO KEYW SHPP VFOP ERES EXTO CSYS LOCA DSYS RLBL R RMOR REAL SECT SECD SECB SECO"
+        " SECC TYPE MAT ESYS PRED LNSR NROP SSTI PSTR MODO HARF LUMP SOLV SAVE ETCO MXPA SOLC"
+        " CNVT LSCL"
+    ).split()
+)
+"""First four letters of commands that say nothing about the linear motion."""
+
+IGNORED = (*CONTACT, *NAMES, 154, 200)
+"""Numbers of elements that are left out: contact, masses and springs, loads on surfaces, and empty
+meshes."""
+
+HELD = "D"  #: name of the group of the nodes that the command D holds
+
+COMMAND = re.compile(r"[A-Za-z/*][^,!]*")
 
 CONSTANTS = {
     "EX": "young_modulus",
@@ -80,13 +115,15 @@ def ansys_mesh(path: Path) -> SolidMesh:
                 if word[:4] in COMMANDS:
                     listed = "with all nodes and elements listed"
                     raise MeshFileError(f"a file without {word}, {listed} (line {number})")
+        lines = [*_canonical(lines)]
         types, options = _element_types(lines)
         elements = dict(_elements(lines))
         used = {kind for _, kind, _ in elements.values()}
         if unknown := used - types.keys():
             raise MeshFileError(f"a type for all elements; type {min(unknown)} has no ET")
         if others := {types[kind] for kind in used} - {*SOLIDS, *IGNORED}:
-            names = ", ".join(map(str, sorted(others)))
+            new = {kind: f", for which SOLID{FORMER[kind]} stands" for kind in FORMER}
+            names = ", ".join(f"{kind}{new.get(kind, '')}" for kind in sorted(others))
             raise MeshFileError(f"elements SOLID185, SOLID186, SOLID187; found elements {names}")
         sets, dropped = defaultdict[str, list[int]](list), set[int]()
         for rows, (number, kind, material) in elements.items():
@@ -94,8 +131,10 @@ def ansys_mesh(path: Path) -> SolidMesh:
                 sets[f"{MATERIAL}{material}"].append(number)
             else:
                 dropped.update(range(*rows))
+        held, partly = _held(lines)
         kept = [line for row, line in enumerate(lines) if row not in dropped]
-        text = "\n".join([*kept, *_components(sets)])
+        nodes = {HELD: held} if held else {}
+        text = "\n".join([*kept, *_components(sets), *_components(nodes, "NODE")])
         mesh = ansysInp.read(io.StringIO(text))
         cells = [(block.type, block.data) for block in mesh.cells]
         converted = meshio.Mesh(
@@ -106,15 +145,63 @@ def ansys_mesh(path: Path) -> SolidMesh:
             converted,
             tuple(_element(block.type, kinds) for block in mesh.cells),
             tuple(_materials(lines, sets)),
-            (*_ignored(lines, used, types),),
+            ignored=(*_ignored(lines, elements, types), *partly),
+            held=HELD if held else "",
         )
 
 
-def _ignored(lines: list[str], used: set[int], types: dict[int, int]) -> Iterator[str]:
-    """Yield what connects nodes in the file and is not read."""
-    yield from (f"elements {types[kind]}" for kind in sorted(used) if types[kind] in CONTACT)
-    words = {_words(line)[0] for line in lines}
-    yield from (command for command in CONSTRAINTS if command in words)
+def _canonical(lines: list[str]) -> Iterator[str]:
+    """Yield the lines with the full names of the commands that are read, and with the values of
+    parameters in place of their names."""
+    values: dict[str, str] = {}
+    for line in (
+        part.lstrip() if at else part for x in lines for at, part in enumerate(x.split("$"))
+    ):
+        if not COMMAND.match(line):
+            yield line
+            continue
+        head, *words = line.split("!")[0].split(",")
+        name, equals, value = head.partition("=")
+        if equals or name.strip().upper() == "*SET":
+            key, given = (name, value) if equals else (*words, "", "")[:2]
+            values[key.strip().upper()] = given.strip()
+            continue
+        full = USED.get(name.strip().upper()[:4], name)
+        yield ",".join([full, *(values.get(word.strip().upper(), word) for word in words)])
+
+
+def _ignored(
+    lines: list[str],
+    elements: dict[tuple[int, int], tuple[int, int, int]],
+    types: dict[int, int],
+) -> Iterator[str]:
+    """Yield what the file says beside solids that is neither read nor harmless."""
+    counts = Counter(types[kind] for _, kind, _ in elements.values())
+    for number in sorted(counts.keys() & {*CONTACT, *NAMES}):
+        yield f"{counts[number]} elements {NAMES.get(number, number)}"
+    words = Counter(found[0].strip().upper() for line in lines if (found := COMMAND.match(line)))
+    for word, count in sorted(words.items()):
+        if word[:4] not in {*USED, *HARMLESS}:
+            yield f"{count} {word}"
+
+
+def _held(lines: list[str]) -> tuple[list[int], list[str]]:
+    """Return the nodes that the command D holds along x, y and z, and what else it says."""
+    held, other = defaultdict[int, set[str]](set), 0
+    for words in map(_words, lines):
+        if words[0] != "D" or len(words) < 3:
+            continue
+        node, label, value, _, end, step = (*words[1:], *[""] * 6)[:6]
+        if not node.isdigit() or (value and float(value)):
+            other += 1
+            continue
+        axes = {"UX", "UY", "UZ"} if label == "ALL" else {label, *words[7:]} & {"UX", "UY", "UZ"}
+        for one in range(int(node), int(end or node) + 1, int(step or 1)):
+            held[one] |= axes
+    whole = [node for node, axes in held.items() if len(axes) == 3]
+    partly = sum(bool(axes) for axes in held.values()) - len(whole)
+    notes = [f"D of single displacements of {partly} nodes"] if partly else []
+    return whole, notes + ([f"{other} D of motions or named nodes"] if other else [])
 
 
 def _element(cell: str, kinds: set[tuple[int, int]]) -> str:
@@ -135,9 +222,9 @@ def _element_types(lines: list[str]) -> tuple[dict[int, int], dict[int, int]]:
     for number, line in enumerate(lines):
         words = _words(line)
         if words[0] == "ET" and len(words) > 2:
-            types[int(words[1])] = int(re.sub(r"\D", "", words[2]))
+            types[_whole(words[1], line)] = _whole(re.sub(r"\D", "", words[2]), line)
         elif words[0] == "KEYOPT" and len(words) > 3 and words[2] == "2":
-            options[int(words[1])] = int(float(words[3]))
+            options[_whole(words[1], line)] = _whole(words[3] or "0", line)
         elif words[0] == "ETBLOCK":
             width = _width(lines[number + 1])
             for row in lines[number + 2 : number + 2 + int(words[1])]:
@@ -182,11 +269,11 @@ def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Materi
         words = _words(line)
         if words[0] == "MPDATA" and len(words) > 6:
             _, _, count, label, material, first, *numbers = words
-            if int(count) > 1 or int(first) > 1:
+            if _whole(count, line) > 1 or _whole(first, line) > 1:
                 unread[material] = f"has {label} for several temperatures, which is not read"
         elif words[0] == "MP" and len(words) > 3:
             _, label, material, *numbers = words
-            if any(number and float(number) for number in numbers[1:]):
+            if any(number and _real(number, line) for number in numbers[1:]):
                 unread[material] = f"has {label} for several temperatures, which is not read"
         else:
             continue
@@ -194,7 +281,7 @@ def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Materi
             unread[material] = f"has {label}, which is not read"
         elif label in CONSTANTS:
             key, place = CONSTANTS[label], f" ({words[0]},{label}, line {row})"
-            values[material][key] = constant(key, float(numbers[0]), place)
+            values[material][key] = constant(key, _real(numbers[0], line), place)
     for group in sets:
         material = group.removeprefix(MATERIAL)
         isotropic = not unread.get(material)
@@ -203,9 +290,9 @@ def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Materi
         )
 
 
-def _components(sets: dict[str, list[int]]) -> Iterator[str]:
+def _components(sets: Mapping[str, list[int]], kind: str = "ELEM") -> Iterator[str]:
     for name, members in sets.items():
-        yield f"CMBLOCK,{name},ELEM,{len(members):9d}"
+        yield f"CMBLOCK,{name},{kind},{len(members):9d}"
         yield "(8i10)"
         for start in range(0, len(members), 8):
             yield "".join(f"{member:10d}" for member in members[start : start + 8])
@@ -213,6 +300,20 @@ def _components(sets: dict[str, list[int]]) -> Iterator[str]:
 
 def _words(line: str) -> list[str]:
     return [word.strip().upper() for word in line.split("!")[0].split(",")]
+
+
+def _whole(word: str, line: str) -> int:
+    """Return a whole number in a command, which may have a decimal point."""
+    if (value := _real(word, line)) != int(value):
+        raise MeshFileError(f"a whole number in {line.strip()[:60]!r}, got {word!r}")
+    return int(value)
+
+
+def _real(word: str, line: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise MeshFileError(f"a number in {line.strip()[:60]!r}, got {word!r}") from None
 
 
 def _width(form: str) -> int:
@@ -225,4 +326,8 @@ def _width(form: str) -> int:
 
 def _integers(row: str, width: int) -> list[int]:
     row = row.rstrip()
-    return [int(row[start : start + width]) for start in range(0, len(row), width)]
+    fields = [row[start : start + width].strip() for start in range(0, len(row), width)]
+    try:
+        return [int(one or 0) for one in fields]  # a blank field is 0
+    except ValueError:
+        raise MeshFileError(f"whole numbers of {width} letters, got {row[:60]!r}") from None

@@ -1,9 +1,10 @@
 """Format of a mesh file by its suffix and its text, and messages for formats that are not read."""
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from bladewhirl.meshes.files.abaqus_text import is_abaqus_text
+from bladewhirl.meshes.files.abaqus_text import head_of, is_abaqus_text
 
 ABAQUS, VTK = ".inp", ".vtu"
 
@@ -25,11 +26,24 @@ OTHERS = {
 """Suffixes of other files, and what they contain."""
 
 
+BY_TEXT = {
+    ".bdf": re.compile(r"(SOL[ \t]+\w|CEND|BEGIN[ \t]+BULK|GRID[ \t,*]|GRDSET|NASTRAN )", re.I),
+    ".cdb": re.compile(r"(/PREP7|/COM|/BATCH|/TITLE|NBLOCK|ETBLOCK|ET,|\*SET,)", re.I),
+}
+"""Start of a line near the head of a deck of Nastran, and of Ansys."""
+
+
 def format_of(path: Path) -> str:
-    """Return the suffix of the format of a file: that of its name, or `ABAQUS` if its text is."""
+    """Return the suffix of the format of a file: that of its name, or `ABAQUS` if its text is; for
+    .dat, which decks of several programs have, that of its text."""
     suffix = path.suffix.lower()
-    if suffix not in (ABAQUS, VTK, ".k") and is_abaqus_text(path):  # LS-DYNA has keywords, too
-        return ABAQUS
+    if suffix not in (ABAQUS, VTK, ".k"):  # LS-DYNA has keywords, too
+        head = head_of(path)
+        if is_abaqus_text(head):
+            return ABAQUS
+        if suffix == ".dat":
+            found = (kind for line in head for kind, of in BY_TEXT.items() if of.match(line))
+            return next(found, suffix)
     return suffix
 
 

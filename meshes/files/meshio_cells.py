@@ -12,6 +12,7 @@ import numpy as np
 from meshio._mesh import topological_dimension
 from numpy.typing import NDArray
 
+from bladewhirl.files import reason_of
 from bladewhirl.meshes.files.groups import MeshFileError
 
 # meshio 5.3 reads and writes wedges with 15 nodes, but has forgotten their dimension.
@@ -40,9 +41,8 @@ def readable(path: Path, library: str = "meshio") -> Iterator[None]:
     except OSError as error:
         raise MeshFileError(f"a readable file ({error.strerror or error})") from None
     except Exception as error:
-        kind = "" if isinstance(error, Warning) else f"{type(error).__name__}: "
-        reason = " ".join(f"{kind}{error}".split()).removesuffix(":")
-        raise MeshFileError(f"a {path.suffix} file that {library} can read ({reason})") from None
+        reason = f" ({own})" if (own := reason_of(error)) else ""
+        raise MeshFileError(f"a {path.suffix} file that {library} can read{reason}") from None
     if notes.getvalue():
         reason = " ".join(notes.getvalue().split())
         raise MeshFileError(f"a {path.suffix} file that {library} can read ({reason})")

@@ -1,13 +1,15 @@
 """Meshes of solids in bulk data of Nastran, read with pyyeti: free, small and large fields.
 
-Groups are the nodes of SPC1 and SPC entries that hold x, y and z (``SPC1 5``), of SET1 entries and
-of SET commands (``SET 9``), and the elements of each property (``PSOLID 1``), which also have the
-material of its MAT1 entry.
+Groups are the nodes that the SPC, SPC1 and SPCADD entries with one number and the field PS of GRID
+hold along x, y and z (``SPC 5``, ``PS``), the nodes of SET1 entries and of SET commands
+(``SET 9``), and the elements of each property (``PSOLID 1``), which also have the material of its
+MAT1 entry. Every other entry is harmless for the linear motion, or named.
 """
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -34,16 +36,25 @@ ORDERS = {
 """Places of the nodes of VTK among those of Nastran, where upright edges come before upper ones."""
 
 OTHER_SOLIDS = ("CPYRAM", "CPYRA", "CTETRAR", "CHEXA1", "CHEXA2")
-IGNORED = ("RBE2", "RBE3", "CONM2", "CELAS2", "CBUSH", "CBAR", "CBEAM", "CQUAD4", "CTRIA3")
-"""Entries that connect or load nodes and are not read."""
-
 OTHER_MATERIALS = ("MAT2", "MAT9", "MAT10", "MAT11")
 
-ENTRIES = (
-    *("GRID", "GRDSET", "PSOLID", "MAT1", "SPC1", "SPC", "SET1"),
-    *(*CELLS, *OTHER_SOLIDS, *OTHER_MATERIALS, *IGNORED),
-)
+USED = ("GRID", "GRDSET", *CELLS, "PSOLID", "MAT1", "SPC", "SPC1", "SPCADD", "SET1", "PARAM")
+"""Names of the entries that are read; of PARAM, WTMASS."""
+
+ENTRIES = (*USED, *OTHER_SOLIDS, *OTHER_MATERIALS)
 """Names of the entries that are looked for."""
+
+HARMLESS = (
+    *("ENDDATA", "BEGIN", "ECHO*", "CORD[123][CRS]", "EIG*", "FORCE*", "MOMENT*", "PLOAD*", "GRAV"),
+    *("ACCEL*", "RFORCE", "LOAD", "DLOAD", "[RT]LOAD[12]", "DAREA", "LSEQ", "SPCD", "TEMP*"),
+    *("FREQ*", "TSTEP*", "TABLE*", "TABDMP1", "DELAY", "DPHASE", "PSHELL", "PBAR*", "PBEAM*"),
+    *("PROD", "PBUSH*", "PELAS*", "PMASS", "PDAMP*", "PTUBE", "PSHEAR", "PGAP", "PVISC", "PLOTEL"),
+    *("MAT[45]", "DTI", "SET3", "GROUP", "BSURF*", "MONPNT*", "NLPARM", "DRESP*", "DES*"),
+)
+"""Patterns of names of entries that say nothing about the linear motion, or belong to named ones.
+"""
+
+MOST_LETTERS = 8  #: largest length of the name of an entry
 
 Cards = Mapping[str, list[list[Any]]]
 """Fields of all entries by their name; none for other names."""
@@ -80,6 +91,7 @@ def nastran_mesh(path: Path) -> SolidMesh:
         with open_text(path, errors="replace") as stream:
             text = stream.read()
         check_numbers(text.splitlines())
+        counts = _counts(text)
         options = {"return_var": "list", "no_data_return": [], "follow_includes": False}
         pattern = f"({'|'.join(ENTRIES)})"  # of the start of a line
         found = bulk.rdcards(str(path), pattern, regex=True, keep_name=True, **options)
@@ -90,12 +102,26 @@ def nastran_mesh(path: Path) -> SolidMesh:
             raise MeshFileError("one file with all bulk data, without INCLUDE")
         if others := [name for name in OTHER_SOLIDS if name in cards]:
             raise MeshFileError(f"elements CTETRA, CPENTA and CHEXA; found {others[0]}")
-        ignored = (name for name in IGNORED if name in cards)
-        return _mesh(cards, text)._replace(ignored=(*ignored,))
+        mesh, partly = _mesh(cards, text)
+        named = (n for n in sorted(counts) if n not in ENTRIES and not _is_harmless(n))
+        return mesh._replace(ignored=(*(f"{counts[name]} {name}" for name in named), *partly))
 
 
-def _mesh(cards: Cards, text: str) -> SolidMesh:
-    grid = cards["GRID"]
+def _is_harmless(name: str) -> bool:
+    return any(fnmatchcase(name, pattern) for pattern in HARMLESS)
+
+
+def _counts(text: str) -> Counter[str]:
+    """Return the number of the entries of each name; without BEGIN BULK all lines are entries."""
+    _, begin, bulk = text.upper().partition("BEGIN BULK")
+    lines = (bulk.partition("\n")[2] if begin else text.upper()).splitlines()
+    words = (re.match(r"[A-Z][A-Z0-9]*", line[:MOST_LETTERS]) for line in lines)
+    return Counter(word[0] for word in words if word)
+
+
+def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
+    """Return the mesh, and constraints of single displacements."""
+    grid = [(*row, *[""] * 7)[:8] for row in cards["GRID"]]
     default = [row[1] for row in cards["GRDSET"] if row[1:] and row[1]]
     turned = [row[0] for row in grid if row[1] not in ("", 0)]
     if turned or default:
@@ -120,9 +146,17 @@ def _mesh(cards: Cards, text: str) -> SolidMesh:
         for kind, one in rows.items()
     ]
     properties = {f"PSOLID {row[0]}": row[1] for row in cards["PSOLID"]}
+    components = _constraints(cards, {int(row[0]): str(row[6]) for row in grid}, list(place))
+    held = {name: [n for n, by in of.items() if {*"123"} <= by] for name, of in components.items()}
+    partly = [
+        f"{name} of single displacements of {number} nodes"
+        for name, of in components.items()
+        if (number := sum(bool({*"123"} & by) for by in of.values()) - len(held[name]))
+    ]
     sets = {
         name: np.array([place[node] for node in nodes if node in place], dtype=np.int64)
-        for name, nodes in _node_sets(cards, text, list(place))
+        for name, nodes in (*held.items(), *_node_sets(cards, text, list(place)))
+        if nodes
     }
     mesh = meshio.Mesh(
         np.array(points),
@@ -133,56 +167,95 @@ def _mesh(cards: Cards, text: str) -> SolidMesh:
             for name, of_kind in members.items()
         },
     )
-    return SolidMesh(mesh, sections=tuple(_materials(cards, properties, list(members))))
+    sections = tuple(_materials(cards, properties, list(members)))
+    return SolidMesh(mesh, sections=sections, held=_chosen(text, cards, list(held))), partly
+
+
+def _constraints(
+    cards: Cards, permanent: Mapping[int, str], nodes: list[int]
+) -> dict[str, dict[int, set[str]]]:
+    """Return the components that each set of constraints holds, by node; those of the field PS
+    belong to every set, and are one of their own without others."""
+    sets = defaultdict[int, defaultdict[int, set[str]]](lambda: defaultdict(set))
+    for number, components, *members in cards["SPC1"]:
+        for node in _listed(members, nodes):
+            sets[number][node] |= {*str(components)}
+    for number, *rest in cards["SPC"]:
+        for node, components in zip(rest[::3], rest[1::3], strict=False):
+            sets[number][int(node)] |= {*str(components)}
+    for number, *members in cards["SPCADD"]:
+        for other in [member for member in members if member != ""]:
+            for node, components in list(sets[other].items()):
+                sets[number][node] |= components
+    always = {node: {*components} for node, components in permanent.items() if components}
+    for of in sets.values():
+        for node, components in always.items():
+            of[node] |= components
+    named: dict[str, dict[int, set[str]]] = {f"SPC {n}": dict(of) for n, of in sets.items()}
+    return named or ({"PS": always} if always else {})
+
+
+def _chosen(text: str, cards: Cards, names: list[str]) -> str:
+    """Return the set of constraints that the case control or SPCADD chooses, or the only one."""
+    command = re.search(r"^[ \t]*SPC[ \t]*=[ \t]*(\d+)", text, re.I | re.M)
+    numbers = {command[1]} if command else {str(row[0]) for row in cards["SPCADD"]}
+    chosen = [name for name in names if name.removeprefix("SPC ") in numbers] or names
+    return chosen[0] if len(chosen) == 1 else ""
 
 
 def _node_sets(cards: Cards, text: str, nodes: list[int]) -> Iterator[tuple[str, list[int]]]:
     """Yield name and nodes of each set; entries with one number are one set."""
     sets = defaultdict[str, list[int]](list)
-    for number, components, *members in cards["SPC1"]:
-        if {*"123"} <= {*str(components)}:
-            sets[f"SPC1 {number}"] += _listed(members, nodes)
-    for number, *rest in cards["SPC"]:
-        for node, components in zip(rest[::3], rest[1::3], strict=False):
-            if {*"123"} <= {*str(components)}:
-                sets[f"SPC {number}"].append(node)
     for number, *members in cards["SET1"]:
         sets[f"SET {number}"] += _listed(members, nodes)
     for found in SET.finditer(text):
         words = found[2].replace(",", " ").replace("=", " ").upper().split()
-        if all(word == "THRU" or word.isdigit() for word in words):
-            members = [word if word == "THRU" else int(word) for word in words]
+        if all(word in ("THRU", "EXCEPT") or word.isdigit() for word in words):
+            members = [int(word) if word.isdigit() else word for word in words]
             sets[f"SET {found[1]}"] += _listed(members, nodes)
     yield from sets.items()
 
 
 def _listed(members: Sequence[Any], nodes: list[int]) -> list[int]:
-    """Return the nodes of a list in which THRU stands between the ends of a range."""
+    """Return the nodes of a list in which THRU stands between the ends of a range, and EXCEPT
+    before numbers and ranges within it that are left out."""
     chosen: list[int] = []
     given = [member for member in members if member != ""]
     numbers: IntArray = np.array(nodes)
+    without, end = set[int](), 0
     for place, member in enumerate(given):
+        if member == "EXCEPT":
+            end = max(chosen)
+            continue
+        own = [int(member)] if member != "THRU" else []
         if member == "THRU":
             first, last = given[place - 1], given[place + 1]
-            chosen += numbers[(numbers > first) & (numbers < last)].tolist()
+            own = numbers[(numbers > first) & (numbers < last)].tolist()
+        if own and max(own) < end:
+            without.update(own)
         else:
-            chosen.append(int(member))
-    return chosen
+            chosen += own
+    return [node for node in chosen if node not in without]
 
 
 def _materials(cards: Cards, properties: dict[str, Any], used: list[str]) -> Iterator[_Material]:
     """Yield the material of each property of the elements."""
     constants = {row[0]: (*row[1:5], "", "", "", "")[:4] for row in cards["MAT1"]}
     others = {row[0]: name for name in OTHER_MATERIALS for row in cards[name]}
+    given = (row[1] for row in cards["PARAM"] if str(row[0]).upper() == "WTMASS")
+    if not (weight := float(next(given, 1.0))) > 0.0:
+        raise MeshFileError(f"a positive PARAM,WTMASS, got {weight:g}")
     for name in used:
         number = properties.get(name, "")
         young, shear, ratio, density = constants.get(number, ("", "", "", ""))
         if ratio == "" and young and shear:
             ratio = young / (2.0 * shear) - 1.0
-        given = {"young_modulus": young, "poisson_ratio": ratio, "density": density}
+        by_key = {"young_modulus": young, "poisson_ratio": ratio, "density": density}
         values = {
             key: constant(key, float(value), f" (MAT1 {number})")
-            for key, value in given.items()
-            if value != ""
+            for key, value in by_key.items()
+            if value != "" and (key != "density" or value)
         }
+        if "density" in values:
+            values["density"] *= weight
         yield _Material(name, str(number), values, others.get(number, ""))

@@ -191,6 +191,9 @@ def mesh3d(
         notes += note
         faces = free_faces(first, second, fixed)
     touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
+    if loose := len(np.setdiff1d(volumes.groups.get(volumes.held, fixed[:0]), fixed)):
+        text = f"{loose} nodes that {volumes.held} of {volumes.name} holds are not clamped"
+        warnings.warn(f"{text}: clamped = {volumes.held!r} holds them", Hint, stacklevel=2)
     bodies = free_bodies(volumes, fixed, {"contact": touching, "left": first, "right": second})
     if volumes.ignored:
         text = f"{', '.join(volumes.ignored)} of {volumes.name} are not read: expected solids only"

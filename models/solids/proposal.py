@@ -78,6 +78,8 @@ def proposed(mesh: VolumeMesh) -> Proposal:
     if any(section.properties for section in mesh.sections) and (unit, mass_unit) != UNITS[0]:
         options["mass_unit"] = mass_unit
     options |= {} if axis == "z" else {"axis": axis}
+    if mesh.ignored:
+        notes.append(f"not read: {', '.join(mesh.ignored)}")
     return Proposal(options, tuple(notes))
 
 

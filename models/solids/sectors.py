@@ -41,7 +41,7 @@ def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
 
     Args:
         mesh: mesh with the axis of rotation z.
-        copies: number of sectors; by default any.
+        copies: number of sectors; by default any, of faces that do not meet on the axis.
     """
     corners, nodes = surface_faces(mesh)
     at, normal, area = _centres(mesh.points, corners)
@@ -76,7 +76,8 @@ def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
     first, second = first[first >= 0], second[second >= 0]
     forward = rotate(mesh.points[first], 2.0 * np.pi / found)
     apart = cKDTree(mesh.points[second]).query(forward)[0].max()
-    return Sector(found, first, second) if apart <= close else None
+    on_axis = copies is None and len(np.intersect1d(first, second))
+    return Sector(found, first, second) if apart <= close and not on_axis else None
 
 
 def _centres(points: FloatArray, corners: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:

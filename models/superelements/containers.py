@@ -13,7 +13,7 @@ import numpy as np
 import scipy.io as sio
 import scipy.sparse as sp
 
-from bladewhirl.files import check_regular
+from bladewhirl.files import check_regular, reason_of
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.machine import memory
 from bladewhirl.models.inputs.units import LARGEST
@@ -41,7 +41,7 @@ def read_foreign(file: Path, kind: str, read: Callable[[], Any]) -> Any:
     except OSError as error:
         reason = f"a readable file ({error.strerror or error})"
     except Exception as error:  # the readers raise exceptions of any type
-        reason = f"{kind} ({str(error)[:200] or type(error).__name__})"
+        reason = f"{kind} ({own[:200]})" if (own := reason_of(error)) else kind
     raise SuperelementError(f"{file}: expected {reason}")
 
 

@@ -65,4 +65,4 @@ WRITERS: dict[str, Callable[[Path, meshio.Mesh], None]] = {
     ".bdf": nastran,
     ".med": code_aster,
 }
-GROUPS = {".bdf": {"clamped": "SPC1 1", "contact": "SET 2"}}
+GROUPS = {".bdf": {"clamped": "SPC 1", "contact": "SET 2"}}

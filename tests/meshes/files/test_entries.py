@@ -1,0 +1,227 @@
+"""Every entry of a deck is used, harmless, or named."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from solid_meshes import cantilever, deck_text
+from written_decks import ansys, nastran, rounded
+
+import bladewhirl as bw
+from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.volumes import VolumeMesh, read_volume_mesh
+from bladewhirl.models.inputs.errors import CaseError, Hint
+from bladewhirl.models.superelements.frequencies import lowest_frequencies
+
+BOXES = (2, 1, 1)
+MATERIAL = """*MATERIAL, NAME=steel
+*ELASTIC
+2.1e11, 0.3
+*DENSITY
+7800
+*SOLID SECTION, ELSET=all, MATERIAL=steel
+"""
+
+
+def bulk(folder: Path, *changes: tuple[str, str], more: str = "", suffix: str = ".bdf") -> Path:
+    """Write a blade for Nastran, of which SPC 1 holds the root."""
+    nastran(folder / "blade", rounded("hexahedron20", BOXES))
+    text = (folder / "blade.bdf").read_text().replace("ENDDATA", f"{more}ENDDATA")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path = (folder / "blade").with_suffix(suffix)
+    path.write_text(text)
+    return path
+
+
+def root_nodes() -> list[int]:
+    return [int(node) + 1 for node in rounded("hexahedron20", BOXES).point_sets["root"]]
+
+
+def first(path: Path, **given: Any) -> float:
+    part = bw.mesh3d(path, **{"contact": "x = 0.3"} | given)
+    return float(lowest_frequencies(part.mass, part.stiffness, 1)[0])
+
+
+def held(mesh: VolumeMesh) -> list[int]:
+    return mesh.groups[mesh.held].tolist() if mesh.held else []
+
+
+def without_spc(text: str) -> str:
+    return "".join(line for line in text.splitlines(keepends=True) if not line.startswith("SPC1"))
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        lambda nodes: "".join(f"SPC1,1,12,{n}\nSPC1,1,3,{n}\n" for n in nodes),
+        lambda nodes: "SPCADD,9,7,8\n" + "".join(f"SPC1,{7 + n % 2},123,{n}\n" for n in nodes),
+        lambda nodes: "".join(f"SPC,4,{n},123,0.\n" for n in nodes),
+    ],
+    ids=["split", "spcadd", "spc"],
+)
+def test_constraints_of_nastran_are_united_by_node(tmp_path: Path, entries: Any) -> None:
+    expected = held(read_volume_mesh(bulk(tmp_path)))
+    assert len(expected) == len(root_nodes())
+    path = bulk(tmp_path)
+    text = without_spc(path.read_text()).replace("ENDDATA", f"{entries(root_nodes())}ENDDATA")
+    path.write_text(text)
+    mesh = read_volume_mesh(path)
+    assert held(mesh) == expected
+    assert mesh.ignored == ()
+
+
+def test_permanent_constraints_of_nodes_count(tmp_path: Path) -> None:
+    path = bulk(tmp_path)
+    lines = without_spc(path.read_text()).splitlines()
+    nodes, points = root_nodes(), rounded("hexahedron20", BOXES).points
+    kept = [line for line in lines if not line.startswith("GRID")]
+    grid = [
+        f"GRID,{n},,{x:.8g},{y:.8g},{z:.8g},,{'123456' if n in nodes else ''}"
+        for n, (x, y, z) in enumerate(points.tolist(), 1)
+    ]
+    head = next(n for n, line in enumerate(kept) if "BEGIN" in line) + 1
+    path.write_text("\n".join([*kept[:head], *grid, *kept[head:]]) + "\n")
+    mesh = read_volume_mesh(path)
+    assert mesh.held == "PS"
+    assert len(held(mesh)) == len(nodes)
+
+
+def test_the_factor_of_masses_is_applied(tmp_path: Path) -> None:
+    plain = first(bulk(tmp_path), clamped="SPC 1")
+    weighted = first(bulk(tmp_path, more="PARAM,WTMASS,0.25\n"), clamped="SPC 1")
+    assert weighted == pytest.approx(2.0 * plain, rel=1e-9)
+    with pytest.raises(CaseError, match="a positive PARAM,WTMASS, got -1"):
+        first(bulk(tmp_path, more="PARAM,WTMASS,-1.\n"), clamped="SPC 1")
+
+
+def test_a_density_of_zero_is_none(tmp_path: Path) -> None:
+    path = bulk(tmp_path, ("7800.", "0.0"))
+    with pytest.raises(CaseError, match=r"density: expected a value for .* no MAT1 7 with RHO"):
+        first(path, clamped="SPC 1")
+    expected = first(bulk(tmp_path), clamped="SPC 1")
+    path = bulk(tmp_path, ("7800.", "0.0"))
+    assert first(path, clamped="SPC 1", density=7800.0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("suffix", [".dat", ".DAT"])
+def test_decks_are_recognised_by_their_text(tmp_path: Path, suffix: str) -> None:
+    assert held(read_volume_mesh(bulk(tmp_path, suffix=suffix)))
+    ansys(tmp_path / "a", rounded("hexahedron20", BOXES))
+    (tmp_path / f"a{suffix}").write_text((tmp_path / "a.cdb").read_text())
+    assert read_volume_mesh(tmp_path / f"a{suffix}").blocks[0][0] == "C3D20"
+    text = deck_text(cantilever("hexahedron20", BOXES), "C3D20R")
+    (tmp_path / f"b{suffix}").write_text(f"** a comment\n{text}")
+    assert read_volume_mesh(tmp_path / f"b{suffix}").blocks[0][0] == "C3D20R"
+
+
+def test_other_entries_of_nastran_are_named_with_their_number(tmp_path: Path) -> None:
+    more = "CMASS2,77,50.,5,1\nRBAR,79,5,20\nRBAR,80,5,21\nPELAS,9,1.+7\nEIGRL,1,,,5\nCORD2R,7\n"
+    mesh = read_volume_mesh(bulk(tmp_path, more=f"{more}SPC1,1,3,20\nNOVELTY,1\n"))
+    single = "SPC 1 of single displacements of 1 nodes"
+    assert mesh.ignored == ("1 CMASS2", "1 NOVELTY", "2 RBAR", single)
+    with pytest.warns(Hint, match="1 CMASS2, 2 RBAR of blade.bdf are not read"):
+        first(bulk(tmp_path, more=more), clamped="SPC 1")
+
+
+def test_ranges_of_sets_have_exceptions(tmp_path: Path) -> None:
+    more = "SET 5 = 1 THRU 9 EXCEPT 3 THRU 5, 20\nBEGIN BULK"
+    mesh = read_volume_mesh(bulk(tmp_path, ("BEGIN BULK", more)))
+    assert mesh.groups["SET 5"].tolist() == [0, 1, 5, 6, 7, 8, 19]
+
+
+def cdb(folder: Path, *changes: tuple[str, str], more: str = "") -> Path:
+    ansys(folder / "blade", rounded("hexahedron20", BOXES))
+    path = folder / "blade.cdb"
+    text = path.read_text().replace("KEYOPT", f"{more}KEYOPT", 1)
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("command", ["KEYO", "KEYOP", "keyopt"])
+def test_commands_of_ansys_are_known_by_four_letters(tmp_path: Path, command: str) -> None:
+    path = cdb(tmp_path, ("KEYOPT,", f"{command},"))
+    assert read_volume_mesh(path).blocks[0][0] == "C3D20"
+
+
+def test_parameters_of_ansys_are_replaced_by_their_values(tmp_path: Path) -> None:
+    given = (("ET,1,186", "*SET,CID,1\nfull = 1 ! integration\nET,CID,186"),)
+    path = cdb(tmp_path, *given, ("KEYOPT,1,2,1", "KEYOPT,CID,2,FULL"))
+    assert read_volume_mesh(path).blocks[0][0] == "C3D20"
+    with pytest.raises(MeshFileError, match="a number in 'KEYOPT,1,2,FULLY', got 'FULLY'"):
+        read_volume_mesh(cdb(tmp_path, ("KEYOPT,1,2,1", "KEYOPT,1,2,FULLY")))
+
+
+def test_held_nodes_and_other_commands_of_ansys(tmp_path: Path) -> None:
+    more = "D,1,ALL,0.\nD,2,UX,0.,,4,2,UY,UZ\nD,5,UX\nD,6,UY,0.1\nCERIG,1,2\nTB,ELAST,1\nACEL,1\n"
+    mesh = read_volume_mesh(cdb(tmp_path, more=more))
+    assert held(mesh) == [0, 1, 3]
+    notes = ("D of single displacements of 1 nodes", "1 D of motions or named nodes")
+    assert mesh.ignored == ("1 CERIG", "1 TB", *notes)
+
+
+@pytest.mark.parametrize(("old", "new"), [("186", "95"), ("186", "187")])
+def test_former_elements_of_ansys_are_refused_by_name(tmp_path: Path, old: str, new: str) -> None:
+    path = cdb(tmp_path, (f"ET,1,{old}", f"ET,1,{new}"))
+    if new == "95":
+        with pytest.raises(MeshFileError, match="elements 95, for which SOLID186 stands"):
+            read_volume_mesh(path)
+
+
+def abaqus(folder: Path, more: str) -> Path:
+    path = folder / "blade.inp"
+    path.write_text(deck_text(cantilever("hexahedron20", BOXES), "C3D20") + MATERIAL + more)
+    return path
+
+
+@pytest.mark.parametrize("rows", ["root, 1, 3", "root, 1, 1\nroot, 2, 3, 0.", "ROOT, ENCASTRE"])
+def test_boundary_conditions_of_abaqus_are_a_group(tmp_path: Path, rows: str) -> None:
+    mesh = read_volume_mesh(abaqus(tmp_path, f"*STEP\n*BOUNDARY\n{rows}\n*END STEP\n"))
+    assert held(mesh) == mesh.groups["root"].tolist()
+    assert mesh.ignored == ()
+
+
+def test_other_keywords_of_abaqus_are_named(tmp_path: Path) -> None:
+    more = "*BOUNDARY\nroot, 1, 3\n1, 2, 2, 0.1\ntip, 3\n*DAMPING, ALPHA=1\n*NOVELTY\n"
+    more += "*CLOAD\n1, 1, 5\n"
+    mesh = read_volume_mesh(abaqus(tmp_path, more))
+    tips = len(mesh.groups["tip"])
+    assert mesh.ignored == (
+        *("*BOUNDARY of motions", "*DAMPING", "*NOVELTY"),
+        f"*BOUNDARY of single displacements of {tips} nodes",
+    )
+
+
+def test_held_nodes_that_are_not_clamped_are_named(tmp_path: Path) -> None:
+    path = abaqus(tmp_path, "*BOUNDARY\nroot, 1, 3\n")
+    assert first(path, clamped="*BOUNDARY") == pytest.approx(first(path, clamped="root"))
+    with pytest.warns(Hint, match=r"\d+ nodes that \*BOUNDARY of blade.inp holds are not clamped"):
+        bw.mesh3d(path, clamped="x = 0.2 and y < -0.0129", contact="x = 0.3")
+
+
+@pytest.mark.parametrize(
+    ("row", "expected"),
+    [("9, 1, -4", [0, 4, 8]), ("5, 5", [4]), ("1, 9, 4,", [0, 4, 8]), ("1, 8, 4", None)],
+)
+def test_ranges_of_abaqus_reach_their_last_number(
+    tmp_path: Path, row: str, expected: list[int] | None
+) -> None:
+    path = abaqus(tmp_path, f"*NSET, NSET=chosen, GENERATE\n{row}\n")
+    if expected is None:
+        with pytest.raises(MeshFileError, match=r"ranges whose step leads .* got 1, 8, 4"):
+            read_volume_mesh(path)
+    else:
+        assert read_volume_mesh(path).groups["chosen"].tolist() == expected
+
+
+def test_messages_are_not_those_of_code(tmp_path: Path) -> None:
+    for text in ("GRID,1\nCHEXA,1\n", "GRID,1,,0.\nSPC1\n", "SPCADD\nGRID,1\nSET1\n", "GRID,x\n"):
+        (tmp_path / "a.bdf").write_text(f"BEGIN BULK\n{text}ENDDATA\n")
+        with pytest.raises(MeshFileError) as caught:
+            read_volume_mesh(tmp_path / "a.bdf")
+        for inner in ("KeyError", "IndexError", "ValueError", "invalid literal", "unpack"):
+            assert inner not in str(caught.value)
