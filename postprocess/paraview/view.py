@@ -73,10 +73,7 @@ def main() -> None:
 
     view.CameraParallelProjection = 1
     view.ViewSize = SIZE
-    simple.ResetCamera(view)
-    view.CameraPosition = [
-        f + d for f, d in zip(view.CameraFocalPoint, SERIES["towards"], strict=True)
-    ]
+    view.CameraFocalPoint, view.CameraPosition = [0.0, 0.0, 0.0], SERIES["towards"]
     view.CameraViewUp = [0.0, 1.0, 0.0]
     simple.ResetCamera(view)
     view.CameraParallelScale = 1.35 * SERIES["size"]

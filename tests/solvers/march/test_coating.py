@@ -1,19 +1,15 @@
 """Abradable coating: the compiled march against the reference, convergence, and refusals."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from contact_cases import small_problem, thrown
 
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.coating import Coating, WornProfile
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage import coating
-from bladewhirl.models.stage.contact_problem import ContactProblem, WallCoating
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import CoatingRecords
 
@@ -102,19 +98,6 @@ def test_a_coating_that_makes_no_sense(coating: dict[str, Any], message: str) ->
 def test_a_march_that_a_coating_does_not_allow(tables: dict[str, Any], message: str) -> None:
     with pytest.raises(CaseError, match=message):
         problem({"elements": 4000, "young_modulus": 1e11}, **tables)
-
-
-def test_the_limit_of_the_time_step_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Three rods of 4e8 N/m under a tip of mobility 0.25 1/kg and a wall of 0.36 1/kg."""
-    law = {"yield_stress": 1e6, "hardening": 0.0, "limit": 0.9, "friction": 0.1}
-    size = {"footprint": np.array([0.015, 0.025]), "arc": 0.01, "width": 0.1, "thickness": 5e-3}
-    given = WallCoating(strain=np.zeros(9), young_modulus=2e9, **size, **law)
-    monkeypatch.setattr(coating, "wall_coating", lambda stage: given)
-    stage = build_stage(Case.model_validate({"march": {"time_step": 5e-5, "speed": 0.01}}))
-    rotor: Any = SimpleNamespace(tip_radial=np.array([[0.3, 0.4], [0.1, 0.2]]))
-    casing: Any = SimpleNamespace(nodal=np.array([[[0.6], [9.0]], [[0.5], [9.0]]]))
-    (fault,) = coating.coating_faults(stage, rotor, casing)
-    assert "less than 3.696e-05 s" in str(fault)  # 1 / sqrt(1.2e9 x 0.61)
 
 
 def test_tips_that_end_no_beam_need_a_footprint(monkeypatch: pytest.MonkeyPatch) -> None:
