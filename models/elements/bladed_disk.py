@@ -1,13 +1,14 @@
 """Finite element model of a bladed disk: beams, shaft springs, point masses and rigid links."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.models.elements.assembly import LineAssembler, straight_beams
+from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout
 from bladewhirl.models.elements.forms import mass, straight_stiffness
 from bladewhirl.models.elements.structure import Structure, keep_free
@@ -172,11 +173,8 @@ def assemble_bladed_disk(
             [N/m].
         clamped: fix the centre instead of supporting it by springs.
     """
-    mesh = model.mesh
-    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
-    transform = nodal_to_line_axes(mesh)
-    line_mass = model.properties.at(assembler.points).line_mass
-    inertial = assembler.matrix(mass, transform, rho_A=line_mass)
+    beams, mesh = BeamMatrices(model), model.mesh
+    inertial, assembler = beams.mass(), beams.assembler
     centre = assembler.node_dofs[model.centre]
     fixed = centre if clamped else centre[ROTATION:]
     spring = np.zeros(inertial.shape[0])
@@ -186,32 +184,47 @@ def assemble_bladed_disk(
     led = assembler.node_dofs[model.links.led].ravel()
     node_dofs = keep_free(assembler.node_dofs, np.union1d(fixed, led))
     expansion = node_expansion(model, node_dofs)
-    unknowns = expansion[np.argsort(assembler.node_dofs.ravel())]
 
     def reduced(matrix: sp.csr_array) -> sp.csr_array:
-        small = sp.csr_array(unknowns.T @ matrix @ unknowns)
+        small = sp.csr_array(expansion.T @ matrix @ expansion)
         return sp.csr_array((small + small.T) / 2.0)
 
     structure = Structure(
         mass=reduced(inertial + point_masses(model, assembler.node_dofs)),
-        stiffness=reduced(elastic_stiffness(model, assembler, transform) + shaft),
+        stiffness=reduced(beams.stiffness() + node_springs(model, assembler.node_dofs) + shaft),
         springs=reduced(shaft),
         node_dofs=node_dofs,
         layout=_sector_layout(mesh, node_dofs),
-        constraints=np.zeros((unknowns.shape[1], 0)),
+        constraints=np.zeros((expansion.shape[1], 0)),
     )
     return BladedDiskModel(model=model, structure=structure, expansion=expansion)
 
 
-def elastic_stiffness(
-    model: BeamModel, assembler: LineAssembler, transform: FloatArray
-) -> sp.csr_array:
-    """Return the stiffness matrix of beams and springs, with a row for every DoF of every node."""
-    sections = model.properties.at(assembler.points)
-    beams = assembler.matrix(
-        straight_stiffness, transform, EA=sections.axial_stiffness, EI=sections.bending_stiffness
-    )
-    return sp.csr_array(beams + node_springs(model, assembler.node_dofs))
+class BeamMatrices:
+    """Assembler of the matrices of the beams of a model, with a row for every DoF of every node."""
+
+    def __init__(self, model: BeamModel) -> None:
+        """Prepare the assembly; `sections` are those at its quadrature points."""
+        mesh = model.mesh
+        self.assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
+        self.sections = model.properties.at(self.assembler.points)
+        self._transform = nodal_to_line_axes(mesh)
+
+    def of(self, form: Any, *, skew: bool = False, **coefficients: FloatArray) -> sp.csr_array:
+        """Assemble a weak form, see `LineAssembler.matrix`."""
+        return self.assembler.matrix(form, self._transform, skew=skew, **coefficients)
+
+    def mass(self, weight: float | FloatArray = 1.0) -> sp.csr_array:
+        """Return the mass matrix, with a factor on that of each line, (lines, 1)."""
+        return self.of(mass, rho_A=weight * self.sections.line_mass)
+
+    def stiffness(self, weight: float | FloatArray = 1.0) -> sp.csr_array:
+        """Return the stiffness matrix, with a factor on that of each line, (lines, 1)."""
+        return self.of(
+            straight_stiffness,
+            EA=weight * self.sections.axial_stiffness,
+            EI=weight * self.sections.bending_stiffness,
+        )
 
 
 def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:

@@ -21,6 +21,7 @@ from bladewhirl.models.modal.modes import (
     lowest_pairs,
     rayleigh_quotients,
 )
+from bladewhirl.models.structure.rotating import Rotating
 
 DEGENERATE = 1e-6
 """Relative difference below which two squared fixed-interface frequencies count as a pair."""
@@ -68,11 +69,9 @@ def craig_bampton(
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Block:
-    """Matrices of one nodal diameter with its boundary, interior and fixed-interface modes."""
+class _Block(Rotating[ComplexArray]):
+    """One nodal diameter with its boundary, interior and fixed-interface modes."""
 
-    mass: ComplexArray
-    stiffness: ComplexArray
     edge: IntArray
     inside: IntArray
     squares: FloatArray

@@ -15,17 +15,17 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import directions, rotate
-from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.bladed_disk import (
     COMPONENTS,
     FIRST,
     ROTATION,
     SECOND,
+    BeamMatrices,
     BladedDiskModel,
-    elastic_stiffness,
     nodal_to_line_axes,
+    node_springs,
 )
-from bladewhirl.models.elements.forms import coriolis, mass, tension_stiffness
+from bladewhirl.models.elements.forms import coriolis, tension_stiffness
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 
@@ -80,27 +80,24 @@ def rotation_matrices(disk: BladedDiskModel) -> Structure:
     of its rotation."""
     model, structure, unknowns = disk.model, disk.structure, disk.expansion
     mesh = model.mesh
-    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
-    transform = nodal_to_line_axes(mesh)
-    line_mass = model.properties.at(assembler.points).line_mass
+    beams = BeamMatrices(model)
     point_masses = np.zeros((len(mesh.points), COMPONENTS))  # on translations only
     np.add.at(point_masses[:, FIRST], model.masses.node, model.masses.mass)
     point_masses[:, SECOND] = point_masses[:, FIRST]
     weights = point_masses.ravel()
-    inertial = sp.csr_array(
-        assembler.matrix(mass, transform, rho_A=line_mass) + sp.diags_array(weights)
-    )
-    turning = assembler.matrix(coriolis, transform, skew=True, rho_A=line_mass)
+    inertial = sp.csr_array(beams.mass() + sp.diags_array(weights))
+    turning = beams.of(coriolis, skew=True, rho_A=beams.sections.line_mass)
     # Position vectors of the nodes in nodal axes; their rotation is zero.
     places = np.pad(rotate(mesh.points, -mesh.node_axes), ((0, 0), (0, 1))).ravel()
     full_load = inertial @ places
     load = np.asarray(unknowns.T @ full_load)
     growth = np.asarray(spla.spsolve(structure.stiffness.tocsc(), load))
     field = unknowns @ growth
-    force = axial_force(model, field, assembler.points, omega=1.0)
-    stiffened = assembler.matrix(tension_stiffness, transform, tension=force)
+    force = axial_force(model, field, beams.assembler.points, omega=1.0)
+    stiffened = beams.of(tension_stiffness, tension=force)
     if model.links.led.size:
-        carried = full_load - elastic_stiffness(model, assembler, transform) @ field
+        elastic = beams.stiffness() + node_springs(model, beams.assembler.node_dofs)
+        carried = full_load - elastic @ field
         stiffened = sp.csr_array(stiffened + _arm_stiffness(model, carried))
     geometric, translated = (unknowns.T @ each @ unknowns for each in (stiffened, inertial))
     turning = sp.csr_array(turning + _point_coriolis(weights))

@@ -7,9 +7,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, chain_to
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.elements.assembly import straight_beams
-from bladewhirl.models.elements.bladed_disk import COMPONENTS, BladedDiskModel, nodal_to_line_axes
-from bladewhirl.models.elements.forms import straight_stiffness
+from bladewhirl.models.elements.bladed_disk import BeamMatrices, BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.export import BLADES
 from bladewhirl.models.stage.forced import (
@@ -70,22 +68,11 @@ def stiffness_of_blades(disk: BladedDiskModel) -> list[sp.csr_array]:
     mesh, model = disk.mesh, disk.model
     among = np.zeros(len(mesh.lines), dtype=np.bool_)
     among[mesh.line_sets.get(BLADES, [])] = True
-    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
-    sections, order = disk.properties.at(assembler.points), assembler.node_dofs.ravel()
-    axes = nodal_to_line_axes(mesh)
-    found = []
+    beams, found = BeamMatrices(model), []
     for tip in model.tips.tolist():
         weight = np.zeros((len(mesh.lines), 1))
         weight[chain_to(tip, mesh.lines, among).lines] = 1.0
-        whole = assembler.matrix(
-            straight_stiffness,
-            axes,
-            EA=weight * sections.axial_stiffness,
-            EI=weight * sections.bending_stiffness,
-        )
-        nodal = sp.csr_array(whole)[order][:, order]
-        assert nodal.shape[0] == COMPONENTS * len(mesh.points)
-        found.append(sp.csr_array(disk.expansion.T @ nodal @ disk.expansion))
+        found.append(sp.csr_array(disk.expansion.T @ beams.stiffness(weight) @ disk.expansion))
     return found
 
 

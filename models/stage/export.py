@@ -7,14 +7,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
-from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.bladed_disk import (
     COMPONENTS,
     ROTATION,
+    BeamMatrices,
     BladedDiskModel,
-    nodal_to_line_axes,
 )
-from bladewhirl.models.elements.forms import mass, straight_stiffness
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
@@ -146,18 +144,8 @@ def _lines_alone(
 ) -> tuple[sp.csr_array, sp.csr_array]:
     """Return mass and stiffness of the chosen lines alone, for x, y and rotation of given nodes."""
     flat = replace(disk.mesh, node_axes=np.zeros_like(disk.mesh.node_axes))
-    assembler = straight_beams(flat.lengths, flat.lines, len(flat.points))
-    transform, sections = nodal_to_line_axes(flat), disk.properties.at(assembler.points)
-    weight = chosen.astype(float)[:, None]
-    whole = (
-        assembler.matrix(mass, transform, rho_A=weight * sections.line_mass),
-        assembler.matrix(
-            straight_stiffness,
-            transform,
-            EA=weight * sections.axial_stiffness,
-            EI=weight * sections.bending_stiffness,
-        ),
-    )
-    kept = assembler.node_dofs[nodes].ravel()
+    beams, weight = BeamMatrices(replace(disk.model, mesh=flat)), chosen.astype(float)[:, None]
+    kept = beams.assembler.node_dofs[nodes].ravel()
+    whole = beams.mass(weight), beams.stiffness(weight)
     inertial, elastic = (sp.csr_array(matrix[np.ix_(kept, kept)]) for matrix in whole)
     return inertial, elastic
