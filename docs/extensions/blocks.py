@@ -13,7 +13,7 @@ numbers in the text remain those of the blocks.
 
 A short run of a page shows that its blocks work: commands march at most `SHORT`, except where the
 speed follows a table, sweep two points of each key and film two frames. What a short run prints is
-not compared with the text.
+not compared with the text. Pages with `whole: reason` in the front matter are never short.
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -33,7 +33,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 RUN = ("python", "console")
-SHORT = 0.2
+SHORT = 0.3
 """Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
@@ -41,6 +41,7 @@ _BLOCK = re.compile(
     r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
     re.MULTILINE | re.DOTALL,
 )
+_WHOLE = re.compile(r"\A---\n(?:.+\n)*?whole: ")
 _PRINTED = re.compile(r"^<!-- printed: (.*?) -->$", re.MULTILINE)
 
 
@@ -176,6 +177,7 @@ def run(text: str, folder: Path, *, short: bool = False) -> list[str]:
     from bladewhirl.models.inputs.errors import Hint
 
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
+    short = short and not _WHOLE.match(text)
     session = Session(folder.resolve(), short=short)
     outputs = [session.run(block) for block in blocks(text) if block.runs]
     everything = " ".join(" ".join(outputs).split())
