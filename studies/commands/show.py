@@ -136,8 +136,8 @@ def show(
     with options.case_of(case, overrides) as checked:
         with reduction_bar():
             stage = marched_stage(checked)
-        beams = checked.bladed_disk.superelement is None
-        shown: Callable[[Any], Shown] = _of_beams if beams else _of_superelement
+        lines = stage.arrays.rotor_line.size > 0
+        shown: Callable[[Any], Shown] = _of_beams if lines else _of_superelement
         derived, tables, node_sets = shown(stage.model)
         for hint in filter(None, (*stage.hints(), speed_hint(stage.case, stage.speed))):
             typer.echo(f"Hint: {hint}.", err=True)
