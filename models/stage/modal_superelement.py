@@ -38,6 +38,7 @@ from bladewhirl.models.stage.superelement_stage import SuperelementStage, supere
 from bladewhirl.models.stage.superelement_structure import (
     on_springs,
     structure_of,
+    wheel_over_speeds,
     without_rotation,
 )
 from bladewhirl.models.structure.rotating import Effects
@@ -51,7 +52,7 @@ from bladewhirl.models.superelements.nodal_blocks import (
     wheel_blocks,
     with_clamped_centre,
 )
-from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
 """Number of further modes of each nodal diameter, which rotation or damping may couple to the
@@ -319,26 +320,33 @@ def modal_superelement(
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
     """
-    stage = superelement_stage(without_rotation(case))
+    table = case.bladed_disk.superelement
+    assert table is not None
+    still, part, clamped = without_rotation(case), structure_of(case), None
+    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
+    equal = table.kind == "sector" and not mistuned and case.reduction.boundary == "massless"
+    each = families if count is None else count
+    if equal and count is not None:
+        still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))), part)
+    stage = superelement_stage(still)
     if case.rotation.effects != "none":
         highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
-    table, part, clamped = stage.table, structure_of(case), None
-    couples = case.rotation.effects != "none" or part.damping is not None
-    couples |= part.gyroscopic is not None
-    each = families if count is None else count
-    if couples:
-        each += COUPLED if count is None else COUPLED_AT_ONE_SPEED
+    couples = part.gyroscopic is not None or part.damping is not None
+    if case.rotation.effects != "none" and (count is None or not equal):
+        couples = True  # at speeds between those of the blocks
+    coupled = COUPLED if count is None else COUPLED_AT_ONE_SPEED
+    further = coupled if couples else 0
     try:
         if table.kind == "blade":
-            blocks = blade_blocks(part, table.copies, each, highest)
-        elif table.kind == "sector" and case.bladed_disk.mistuning.is_given(table.copies):
+            blocks = blade_blocks(part, table.copies, each + further, highest)
+        elif mistuned and table.kind == "sector":
             blocks = {UNKNOWN: block_of(superelement_stage(case).reduced)}
-        elif table.kind == "sector" and (couples or count is None):
-            blocks = sector_blocks(stage.given, table.copies, each, highest)
+        elif equal and count is not None:
+            blocks = _lowest_blocks(still, stage.given, count, further, highest)
         elif table.kind == "sector":
-            blocks = _lowest_blocks(stage.given, table.copies, each)
+            blocks = sector_blocks(stage.given, table.copies, each + further, highest)
         else:
-            total = each * (table.copies if count is None else 1)
+            total = (each + further) * (table.copies if count is None else 1)
             springs = case.shaft.stiffnesses
             part = part if part.centre_dofs is None else on_springs(case, part)
             blocks = wheel_blocks(part, springs, table.copies, total, highest)
@@ -362,16 +370,42 @@ def modal_superelement(
     )
 
 
-def _lowest_blocks(part: Superelement, sectors: int, count: int) -> Blocks:
-    """Return the blocks of equal sectors at rest, which have the `count` lowest modes."""
-    each = max(FEWEST, 2 * -(-count // (sectors // 2 + 1)))
+def _with_modes(case: Case, each: int, part: Superelement) -> Case:
+    """Return a case whose sector is reduced to some modes of each nodal diameter, or all but one
+    of them."""
+    assert part.right_dofs is not None
+    most = part.size - int(np.count_nonzero(part.right_dofs != FIXED)) - 1
+    reduction = case.reduction.model_copy(update={"free_interface_modes": min(each, most)})
+    return case.model_copy(update={"reduction": reduction})
+
+
+def _lowest_blocks(
+    still: Case, part: Superelement, count: int, further: int, highest: float
+) -> Blocks:
+    """Return the blocks of equal sectors, which have the `count` lowest modes at a speed.
+
+    Args:
+        still: case without rotation, whose reduction has the modes to begin with.
+        part: the sector.
+        count: number of modes of the wheel.
+        further: number of further modes of each nodal diameter.
+        highest: the speed [rad/s]; 0 for modes at rest, where the reduction of the case is used.
+    """
+    table, equal = still.bladed_disk.superelement, replace(part, blade_stiffness=None)
+    assert table is not None
     while True:
-        blocks = sector_blocks(part, sectors, min(each, count))
-        squares = [np.diag(block.stiffness).real for block in blocks.values()]
+        each = still.reduction.free_interface_modes
+        if highest or further:
+            blocks = sector_blocks(equal, table.copies, each + further, highest)
+        else:
+            blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0).blocks))
+        squares = [la.eigvalsh(block.stiffness_at(highest))[:each] for block in blocks.values()]
         reached = min(found.max() for found in squares)
         if each >= count or np.count_nonzero(np.concatenate(squares) <= reached) >= count:
             return blocks
-        each *= 2
+        still = _with_modes(still, 2 * each, part)
+        if still.reduction.free_interface_modes == each:
+            return blocks
 
 
 def _acted_on(blocks: Blocks, effects: Effects) -> Blocks:

@@ -64,7 +64,7 @@ class WheelOverSpeeds:
     Its motions are the lowest modes of each nodal diameter, and the static displacements under
     forces on the contact nodes, at rest, at half and at all of the highest speed. Contact nodes are
     numbered sector by sector, counter-clockwise. Points for pictures and gauges are those of all
-    sectors.
+    sectors. `blocks` are the matrices of each nodal diameter.
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class WheelOverSpeeds:
         settings = (sectors, modes, highest)
         kept = compute() if file is None else kept_reduction(file, part, settings, compute)
         self._products = kept.get("products")
-        self._blocks = restored(NodalBlock, sectors // 2 + 1, kept)
+        self.blocks: list[NodalBlock] = restored(NodalBlock, sectors // 2 + 1, kept)
 
     def at(
         self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()
@@ -127,9 +127,9 @@ class WheelOverSpeeds:
         """
         sectors, modes = self._sectors, self._modes
         if factor is None:
-            waves = [_of_block(block, omega, modes, others=others) for block in self._blocks]
+            waves = [_of_block(block, omega, modes, others=others) for block in self.blocks]
             return _expanded(self._part, sectors, waves)
-        waves = [_of_block(block, omega, modes, static=True) for block in self._blocks]
+        waves = [_of_block(block, omega, modes, static=True) for block in self.blocks]
         wheel, reduced = _expanded(self._part, sectors, waves)
         change = change_of_waves(self._coupled(waves), factor)
         order = _order(waves, sectors)
@@ -138,7 +138,7 @@ class WheelOverSpeeds:
     def blades_at(self, omega: float) -> FloatArray:
         """Return the stiffness of each blade on the modes of `at` at a speed [rad/s] [1/s2],
         (sectors, modes, modes)."""
-        waves = [_of_block(block, omega, self._modes) for block in self._blocks]
+        waves = [_of_block(block, omega, self._modes) for block in self.blocks]
         coupled, order = self._coupled(waves), _order(waves, self._sectors)
         each = (change_of_waves(coupled, 1.0 + unit) for unit in np.eye(self._sectors))
         return np.array([change[order][:, order] for change in each])

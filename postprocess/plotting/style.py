@@ -80,7 +80,7 @@ STYLE: Mapping[str, Any] = {
     "svg.hashsalt": "bladewhirl",  # the same figure gives the same file
 }
 
-FORMATS = ("png", "pdf")  #: default formats of a figure
+FORMATS = ("png",)  #: default formats of a figure
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:

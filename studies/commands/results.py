@@ -71,7 +71,7 @@ def plot(
             a branch gives points over the figure branch, further branches give the figure
             backbone, and branches over one of the two keys of a sweep are lines in its maps.
         output: Folder for the figures; by default DIR/plots.
-        format_name: Format of the pictures. By default both png and pdf.
+        format_name: Format of the pictures, png by default.
         width: Width of a figure [mm]: 85 for a column, 170 for a page.
         title: Another title of the figure; "" for no title.
     """

@@ -278,7 +278,7 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         if operating_range(diagram) is not None:
             title += ", by distance from the operating range"
         tables.append(table(document["resonances"], _resonances(diagram), title))
-    if "critical_speeds" in document:
+    if document.get("critical_speeds"):
         title = f"Critical speeds up to {last:g} ω₁"
         tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))
         tables.append(facts(texts(document, SPECIAL_SPEEDS)))

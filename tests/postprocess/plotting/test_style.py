@@ -60,7 +60,9 @@ class TestSaveFigure:
         return figure
 
     def test_a_png_and_a_pdf_of_the_printed_size(self, tmp_path: Path) -> None:
-        paths = style.save_figure(self.figure(), tmp_path / "map.png")
+        only = style.save_figure(self.figure(), tmp_path / "map.png")
+        assert [path.name for path in only] == ["map.png"]
+        paths = style.save_figure(self.figure(), tmp_path / "map.png", formats=("png", "pdf"))
         assert [path.name for path in paths] == ["map.png", "map.pdf"]
         height, width, _ = imread(paths[0]).shape
         assert (width, height) == (1003, 590)  # 85 x 50 mm at 300 dots an inch

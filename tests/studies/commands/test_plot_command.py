@@ -33,7 +33,7 @@ def made(folder: Path, speed: float) -> Path:
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_come_with_their_data(directory: Path) -> None:
     answer("plot", directory, "state-space", "spectrum")
-    expected = {f"{n}.{end}" for n in ("state-space", "spectrum") for end in ("png", "pdf", "nc")}
+    expected = {f"{n}.{end}" for n in ("state-space", "spectrum") for end in ("png", "nc")}
     assert {path.name for path in (directory / "plots").iterdir()} == expected | {"manifest.json"}
     with xr.open_dataset(directory / "plots" / "state-space.nc", engine="h5netcdf") as data:
         assert data.sizes["time"] == 1001
@@ -48,7 +48,7 @@ def test_figures_come_with_their_data(directory: Path) -> None:
 def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
     window = ["--from", "0.1", "--to", "200 ms", "-o", tmp_path / "figures"]
     answer("plot", directory / "result.nc", "gaps", "orbit", "gaps", *window)
-    assert len(list((tmp_path / "figures").iterdir())) == 6 + 1  # the manifest
+    assert len(list((tmp_path / "figures").iterdir())) == 4 + 1  # the manifest
     with xr.open_dataset(tmp_path / "figures" / "orbit.nc", engine="h5netcdf") as data:
         assert data.time.values[[0, -1]] == pytest.approx([0.1, 0.2])
 
