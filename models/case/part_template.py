@@ -15,6 +15,8 @@ CLOSING, OVAL = 0.5, 0.75
 """Share of the clearance that the wall loses, and amplitude of its two lobes: together they exceed
 the clearance, which the lobes alone leave open at the start."""
 
+GAP = pi / 2.0  #: largest angle between neighbouring contact nodes of a whole wheel [rad]
+
 RECORDS = 200  #: number of records in a revolution
 
 INTERVALS = 10  #: number of intervals between the speeds of a sweep
@@ -52,11 +54,13 @@ def part_template(
     if part.stiffness_speed is not None:
         effects = "centrifugal" if part.gyroscopic is None else "full"
         about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
+    file_line = f"file = {toml_value(file)}"
     copies, of = 1, "blades at equal angles, clamped at their roots"
     if part.left_dofs is not None:
         copies, of = part.sectors or 2, "sectors of the wheel, as in the file"
-    elif part.centre_dofs is not None:
+    elif part.centre_dofs is not None or _goes_round(part):
         of = "blades of the wheel; 1 does not distinguish them"
+        file_line += '\nkind = "wheel"'
     made = f"# The file was made by: {part.command}\n" if part.command else ""
     return f"""\
 # bladewhirl modes {case}
@@ -66,7 +70,7 @@ def part_template(
 {made}title = {toml_value(part.name)}
 
 [bladed_disk.superelement]
-file = {toml_value(file)}
+{file_line}
 copies = {copies}  # {of}
 
 [reduction]
@@ -92,3 +96,9 @@ revolutions = {REVOLUTIONS}
 steps_per_revolution = {STEPS}  # twice as many show the error of the time steps
 record_step = "{handy(turn / RECORDS, "s", 2)}"  # about {RECORDS} records in a revolution
 """
+
+
+def _goes_round(part: Superelement) -> bool:
+    """Return whether a part without cut faces has contact nodes all the way round."""
+    angle = np.sort(part.contact_angle)
+    return bool(np.diff(angle, append=angle[0] + 2.0 * pi).max() < GAP)

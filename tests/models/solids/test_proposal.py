@@ -123,3 +123,21 @@ def test_what_is_not_known_is_refused(tmp_path: Path, monkeypatch: pytest.Monkey
         given[f"--{key}"] = values[f"--{key}"]
     answer("mesh3d", "blade.vtu", *(word for pair in given.items() for word in pair))
     assert Path("blade.npz").exists()
+
+
+def test_a_wheel_in_one_piece_becomes_a_case(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    whole = turned(wheel(bladed_sector("tetra")), "y")
+    Path("wheel.inp").write_text(deck_text(whole, "C3D4") + MATERIAL.replace("2.1e5", "2.1e11"))
+    Path("wheel.inp").write_text(Path("wheel.inp").read_text().replace("7.8e-9", "7800"))
+    printed = answer("mesh", "wheel.inp").stdout
+    [line] = [one for one in printed.splitlines() if " mesh3d " in one]
+    assert "axis: the mesh is a whole wheel about y" in printed
+    assert line.endswith("--clamped 'r < 0.051 m' --contact outermost --axis y -o wheel.npz")
+    answer(*shlex.split(line)[1:])
+    answer("new", "wheel.toml", "--from", "wheel.npz")
+    table = bw.read_case("wheel.toml").bladed_disk.superelement
+    assert table is not None
+    assert (table.kind, table.copies) == ("wheel", 1)
