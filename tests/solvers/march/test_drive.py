@@ -95,8 +95,8 @@ def test_momentum_and_energy_of_a_stage_with_a_torque() -> None:
 
 
 def test_static_dampers_take_the_momentum_of_their_torque() -> None:
-    """A damper c at rest brakes a shaft by c (u x v + Omega u^2), where u and v are displacement and
-    velocity of its centre in rotating axes."""
+    """A damper c at rest brakes a shaft by c (u x v + Omega u^2) with the displacement u and the
+    velocity v of its centre in rotating axes."""
     damping, dt = 3e4, 4e-6
     further = {
         "casing": {"clearance": 0.1},
