@@ -10,8 +10,8 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 import bladewhirl as bw
-from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy import works as energy_works
+from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.works import (
     drive_work,
     late_drive_power,
