@@ -71,6 +71,13 @@ def test_tips_are_drawn_back_by_the_opening_of_the_gap(around: bool) -> None:
         assert (np.diff(drawn[blade]) > 0.0).all()  # from root to tip
 
 
+def test_the_largest_drawback_is_the_largest_opening_along_the_blades() -> None:
+    result, given = bent("contact.tip_rotation=false")
+    exact = given.opening(result["rotor_displacement"].values).max()
+    assert exact > 2e-4
+    assert largest_drawback(result) == pytest.approx(exact, rel=1e-4)
+
+
 @pytest.mark.parametrize("around", [False, True])
 def test_the_drawn_gap_is_the_recorded_gap(around: bool) -> None:
     """Without foreshortening in the picture, the gap of the first blade would be wrong by 20 %."""

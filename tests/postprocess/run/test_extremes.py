@@ -10,6 +10,7 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 import bladewhirl as bw
+from bladewhirl.postprocess.energy import works as energy_works
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.works import (
     drive_work,
@@ -165,6 +166,17 @@ def rub(folder: Path, wall: dict[str, Any], speed: float, **load: object) -> xr.
     )
     with bw.run(case, folder, frames=0, overwrite=True).open() as result:
         return result.load()
+
+
+def test_the_late_power_of_the_drive_is_that_of_whole_revolutions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of one revolution of 0.628 s in the last second, in which the work t^2 has the mean power
+    6 - 0.628 at 3 s, by hand."""
+    time = np.linspace(0.0, 3.0, 30_001)
+    monkeypatch.setattr(energy_works, "drive_work", lambda _: time**2)
+    data = xr.Dataset(coords={"time": time}, attrs={"speed": -10.0})
+    assert late_drive_power(data) == pytest.approx(6.0 - 0.2 * np.pi, rel=1e-6)
 
 
 @pytest.mark.parametrize("wall", WALLS)

@@ -10,6 +10,7 @@ from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.run import torques as torques_of_runs
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
@@ -80,6 +81,26 @@ def test_torques_of_a_free_speed_change_the_angular_momentum() -> None:
     power = np.sum([data[f"power_{name}"].values for name in kinds])
     stored = result["rotor_energy"].values
     assert float(power) * span == pytest.approx(stored[-1] - stored[0], rel=1e-3)
+
+
+def test_the_other_torque_is_what_the_momentum_gains_besides(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A gain of 7 N m with a drive of 5 N m, losses of 0.5 x 4 N m and friction of 1 N at 0.3 m."""
+    monkeypatch.setattr(torques_of_runs, "friction_supply", lambda _: np.zeros(41))
+    time = np.linspace(0.0, 4.0, 41)
+    rates = {"drive_work": 20.0, "loss_work": 8.0, "braking_work": 3.0, "angular_momentum": 7.0}
+    rates |= {"rotation_angle": 4.0}
+    values = {name: ("time", rate * time) for name, rate in rates.items()}
+    constant = {"drive_torque": 5.0, "drive_loss": 0.5}
+    pulled = {"friction_impulse": (("time", "blade"), np.full((41, 2), 0.05))}
+    speed = {"rotation_speed": ("time", np.full(41, 4.0))}
+    attrs = {"tip_radius": 0.3, "speed": 4.0, "case": "", "reference_frequency": 10.0}
+    run = xr.Dataset(values | constant | pulled | speed, {"time": time}, attrs)
+    data = torques_of_runs.torques(run)
+    for name, torque in {"drive": 5.0, "loss": -2.0, "friction": -0.3, "other": 4.3}.items():
+        np.testing.assert_allclose(data[f"torque_{name}"], torque, rtol=1e-9)
+    np.testing.assert_allclose(data["power_other"], 3.0, rtol=1e-9)
 
 
 def test_a_prescribed_speed_needs_the_torque_of_its_inertia(through: xr.Dataset) -> None:

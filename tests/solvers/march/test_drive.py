@@ -94,6 +94,29 @@ def test_momentum_and_energy_of_a_stage_with_a_torque() -> None:
     assert gained == pytest.approx(50.0 * chunk.time[-1] - lost, rel=1e-6)
 
 
+def test_static_dampers_take_the_momentum_of_their_torque() -> None:
+    """A damper c at rest brakes a shaft by c (u x v + Omega u^2) with the displacement u and the
+    velocity v of its centre in rotating axes."""
+    damping, dt = 3e4, 4e-6
+    further = {
+        "casing": {"clearance": 0.1},
+        "damping": {"ratio": 0.0},
+        "march": {"speed": 0.8, "drive": {"inertia": 0.1}},
+        "shaft": {"stiffness": 3e7, "damping": damping, "damping_frame": "static"},
+        "initial": {"centre_velocity": [4.0, -2.0]},
+    }
+    given = contact_problem(build_stage(case_from(SMALL | further)))
+    chunk = marched(given, dt, 5000, every=1)
+    x, y = (chunk.rotor_displacement @ given.rotor.centre.T).T
+    v, w = (chunk.rotor_velocity @ given.rotor.centre.T).T
+    speed = chunk.rotation_speed
+    torque = -damping * (x * w - y * v + speed * (x**2 + y**2))
+    braked = dt * (np.cumsum(torque) - 0.5 * (torque + torque[0]))
+    gained = chunk.angular_momentum - chunk.angular_momentum[0]
+    assert np.abs(x * w - y * v).max() > 0.5 * (speed * (x**2 + y**2)).max()  # both parts act
+    np.testing.assert_allclose(gained, braked, atol=2e-3 * np.abs(braked).max())
+
+
 def test_energy_of_a_stage_that_rubs() -> None:
     chunk = marched(free_stage(clearance=2e-4, ratio=0.01), 1e-6, 50_000, every=100)
     assert chunk.contact_impulse.sum() > 1.0

@@ -224,6 +224,19 @@ def test_small_deviations_are_those_of_a_march(ring: int | None) -> None:
     assert moved[1] - moved[0] == pytest.approx(expected, abs=3e-3 * np.abs(expected).max())
 
 
+def test_a_ring_without_contact_decays_by_its_damping_ratio() -> None:
+    """A wave of the frequency w decays by zeta w, in any axes."""
+    problem = bladed(3, 2, ring=casing(24, damping=0.02), friction=0.3)
+    rotor, wall = problem.rotor, problem.casing
+    stiffness, damping = deviations(problem, rows(rotor), np.diag(rotor.stiffness), np.zeros(6))
+    size = len(stiffness)
+    matrix = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])
+    decay, own = la.eigvals(matrix).real, len(rotor.frequency) * rotor.copies
+    assert size > own
+    apart = np.abs(decay[:, None] + 0.02 * wall.frequency).min(axis=0)
+    assert apart == pytest.approx(0.0, abs=1e-9 * wall.frequency.max())
+
+
 def test_constant_contact_of_beams_needs_no_time_step(tmp_path: Path) -> None:
     """With a damper in the static frame above the critical speed."""
     changes = {

@@ -16,6 +16,9 @@ import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.campbell import drawn_part
+from bladewhirl.solvers.stability.growth import eigenvalues
+from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
+from bladewhirl.studies.modal.stability_chart import _branch_names
 
 
 @cache
@@ -132,3 +135,35 @@ def test_stiffnesses_of_the_shaft_are_positive_and_ascending(wrong: Any) -> None
 def test_axes_of_a_chart_are_ascending(key: str, wrong: Any) -> None:
     with pytest.raises(bw.UserError, match=f"^stability: {key}: expected one or more numbers"):
         bw.stability(case(), **{"speed": [0.9, 1.1], "kappa": [0.0, 1e3], key: wrong})
+
+
+def test_branches_over_the_shaft_have_the_family_of_their_frequency_in_hertz() -> None:
+    given = case()
+    over = bw.veering(given, stiffnesses=np.array([given.shaft.stiffness]))
+    modes = bw.modes(given).sel(body="bladed-disk", centre="free", nodal_diameter=1)
+    for name, family in (("suspension", "suspension"), ("1F", "1F"), ("2F", "2F")):
+        expected = modes["frequency"].values[modes["family"].values == family][0]
+        own = over["branch_frequency"].values[0, over["branch_family"].values == name]
+        assert own == pytest.approx(expected, rel=1e-6)
+
+
+def test_branches_of_coupled_modes_are_named_by_their_sense_in_space() -> None:
+    """A wave of the rotor at w turns forward at w + k Omega: in axes at half the speed of the rotor
+    relative to it, at w + k Omega / 2, and backward at w - k Omega / 2."""
+    system = couple(modal_stage(case()), modes="six", damped=False, with_pi=True, physical=False)
+    assert isinstance(system, EvenSystem)
+    omega = 0.5 * system.reference
+    spectrum = eigenvalues(system.modes, speed=omega, kappa=0.0)
+    names = _branch_names(system.modes, omega, spectrum)
+    for name, frequency, k, on_casing in zip(
+        system.modes.name,
+        system.modes.frequency,
+        system.modes.nodal_diameter,
+        system.modes.on_casing,
+        strict=True,
+    ):
+        if on_casing or not k:
+            continue
+        for way, sign in (("forward", 1.0), ("backward", -1.0)):
+            found = np.abs(spectrum[names == f"{name}, {way}"].imag)
+            assert found == pytest.approx(frequency + sign * 0.5 * k * omega, rel=1e-6), (name, way)
