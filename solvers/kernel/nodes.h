@@ -69,14 +69,15 @@ static double work_of(const March *m, int direction, const double *force, const 
     return sum;
 }
 
-/* Add a component of the displacements due to forces and the compliance of the nodes. */
-static void add_flexible(const Rotor *rotor, int64_t direction, const double *force, double factor,
-                         double *out)
+/* Add a component of the displacements due to forces and the compliance of the nodes, of copies that
+ * are `wanted`, or of all of them if it is NULL. */
+static void add_flexible(const Rotor *rotor, int64_t direction, const IntVector *wanted,
+                         const double *force, double factor, double *out)
 {
     int64_t width = rotor->compliance.rows, count = width / DIRECTIONS;
     for (int64_t copy = 0; copy < rotor->copies; copy++) {
         const double *row = rotor->compliance.at + (copy * width + direction) * width;
-        if (!is_pushed(rotor, force, copy))
+        if ((wanted && !wanted->at[copy]) || !is_pushed(rotor, force, copy))
             continue;
         for (int64_t i = 0; i < count; i++, row += DIRECTIONS * width)
             out[copy * count + i] += factor * dot(row, force + copy * width, width);
@@ -121,7 +122,7 @@ static void place_nodes(const March *m)
     if (m->stage.numbers->tip_rotation > 0.0) {
         node_field(rotor, TANGENTIAL, m->x.new, NULL, f, moved);
         if (rotor->massless > 0.0 && m->held)
-            add_flexible(rotor, TANGENTIAL, m->state->force.at, 1.0, moved);
+            add_flexible(rotor, TANGENTIAL, NULL, m->state->force.at, 1.0, moved);
         for (int64_t n = 0; n < f->element.size; n++)
             f->at.at[n] = places[n] + elements * moved[n] / rotor->radius.at[n];
         places = f->at.at;
@@ -174,28 +175,11 @@ static int keeps_limit(const March *m)
     for (int direction = 0; direction < DIRECTIONS; direction++) {
         node_field(rotor, direction, m->x.new, NULL, f, f->moved.at);
         if (rotor->massless > 0.0)
-            add_flexible(rotor, direction, m->scratch->nodes.force.at, 1.0, f->moved.at);
+            add_flexible(rotor, direction, NULL, m->scratch->nodes.force.at, 1.0, f->moved.at);
         for (int64_t n = 0; n < f->element.size; n++)
             within &= fabs(f->moved.at[n]) <= limit;
     }
     return within;
-}
-
-/* Compute the displacements of the wanted copies in the step, relative to those of the last contact
- * forces and without new ones. */
-static void slip_nodes(const March *m)
-{
-    const Rotor *rotor = m->stage.rotor;
-    NodeScratch *s = &m->scratch->nodes;
-    FieldScratch *f = &m->scratch->fields;
-    store_change(m->x, m->x.now, f->change.at);
-    for (int direction = 0; direction < DIRECTIONS; direction++) {
-        node_field(rotor, direction, f->change.at, &s->wanted, f, f->moved.at);
-        if (rotor->massless > 0.0 && m->held)
-            add_flexible(rotor, direction, m->state->force.at, -1.0, f->moved.at);
-        for (int64_t n = 0; n < f->element.size; n++)
-            s->slip.at[DIRECTIONS * n + direction] = f->moved.at[n];
-    }
 }
 
 /* Compute a change of the tangential displacement of a flexible casing under each node. */
@@ -207,6 +191,29 @@ static void casing_slip(const March *m, const double *change, double *out)
     column_sums(&field->weight, change, field->half, f->value.at);
     column_sums(&field->slope_weight, change, field->slope_half, f->slope.at);
     field_at_nodes(nodal_field(casing, field, f), f, out);
+}
+
+/* Compute the displacements of the nodes of the list in the step relative to the casing, and to those
+ * of the last contact forces, without new ones. */
+static void find_slip(const March *m, int64_t size)
+{
+    const Rotor *rotor = m->stage.rotor;
+    NodeScratch *s = &m->scratch->nodes;
+    FieldScratch *f = &m->scratch->fields;
+    store_change(m->x, m->x.now, f->change.at);
+    for (int direction = 0; direction < DIRECTIONS; direction++) {
+        node_field(rotor, direction, f->change.at, &s->wanted, f, f->moved.at);
+        if (rotor->massless > 0.0 && m->held)
+            add_flexible(rotor, direction, &s->wanted, m->state->force.at, -1.0, f->moved.at);
+        for (int64_t i = 0; i < size; i++)
+            s->slide.at[DIRECTIONS * i + direction] = f->moved.at[s->list.at[i]];
+    }
+    if (m->stage.casing->modes == 0)
+        return;
+    store_change(m->y, m->y.now, f->change.at);
+    casing_slip(m, f->change.at, s->along.at);
+    for (int64_t i = 0; i < size; i++)
+        s->slide.at[DIRECTIONS * i + TANGENTIAL] -= s->along.at[s->list.at[i]];
 }
 
 /* Compute the direction of sliding of each node: that of the rotation, or if it is signed that of the
@@ -247,14 +254,8 @@ static void collect(const March *m, int64_t size)
         s->direction.at[2 * i] = full ? state->direction.at[2 * n] : s->sign.at[n];
         s->direction.at[2 * i + 1] = full ? state->direction.at[2 * n + 1] : 0.0;
     }
-    for (int64_t i = 0; full && i < size; i++) {
-        int64_t n = s->list.at[i];
-        s->radius.at[i] = rotor->radius.at[n];
-        for (int64_t k = 0; k < DIRECTIONS; k++)
-            s->slide.at[DIRECTIONS * i + k] = s->slip.at[DIRECTIONS * n + k];
-        if (m->stage.casing->modes > 0)
-            s->slide.at[DIRECTIONS * i + TANGENTIAL] -= s->along.at[n];
-    }
+    for (int64_t i = 0; full && i < size; i++)
+        s->radius.at[i] = rotor->radius.at[s->list.at[i]];
 }
 
 /* Add the response of the bodies to the forces of the nodes of the list, and compute their works. */
@@ -326,7 +327,7 @@ static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t s
     for (int64_t n = first * count; n < last * count; n++)
         radial[n] = f->radial.at[n];
     if (rotor->massless > 0.0)
-        add_flexible(rotor, RADIAL, s->force.at, 1.0, radial);
+        add_flexible(rotor, RADIAL, &s->wanted, s->force.at, 1.0, radial);
     else if (rotor->own.layers == DIRECTIONS && !rotor->crosses.at[RADIAL])
         blade_values(rotor, f->sums.at, radial); /* from `push_blades` */
     else
@@ -412,20 +413,13 @@ static int64_t touch_copies(March *m, int64_t first, int64_t last, double closed
     }
     if (touching == 0)
         return 0;
-    if (m->stage.rotor->full > 0.0) {
-        for (int64_t copy = 0; copy < s->wanted.size; copy++)
-            s->wanted.at[copy] = first <= copy && copy < last;
-        slip_nodes(m);
-        if (m->stage.casing->modes > 0) {
-            store_change(m->y, m->y.now, f->change.at);
-            casing_slip(m, f->change.at, s->along.at);
-        }
-    }
     double lack = 0.0;
     for (int64_t joined = size; joined > 0; size += joined) {
         if (joined < size)
             take_back(m, size - joined);
         want_listed(m, size);
+        if (m->stage.rotor->full > 0.0)
+            find_slip(m, size);
         respond_group(m, size);
         collect(m, size);
         lack = contact_forces(m, size);
@@ -511,8 +505,8 @@ static void contact_works(const March *m)
     for (int direction = 0; direction < directions; direction++) {
         node_field(rotor, direction, f->change.at, &s->wanted, f, moved);
         if (massless) {
-            add_flexible(rotor, direction, force, 1.0, moved);
-            add_flexible(rotor, direction, before, -1.0, moved);
+            add_flexible(rotor, direction, &s->wanted, force, 1.0, moved);
+            add_flexible(rotor, direction, &s->wanted, before, -1.0, moved);
         }
         double sum = work_of(m, direction, force, moved);
         if (massless)
@@ -585,7 +579,7 @@ static double flexible_energy(const March *m)
     store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
     for (int direction = 0; direction < DIRECTIONS; direction++) {
         node_field(rotor, direction, f->change.at, &m->scratch->nodes.wanted, f, f->moved.at);
-        add_flexible(rotor, direction, force, 1.0, f->moved.at);
+        add_flexible(rotor, direction, &m->scratch->nodes.wanted, force, 1.0, f->moved.at);
         energy += 0.5 * work_of(m, direction, force, f->moved.at);
     }
     return energy;
