@@ -61,13 +61,15 @@ def blade_columns(rotor: ReducedRotor) -> BladeColumns | None:
         apart -= 2.0 * np.pi / blades * np.arange(blades)[:, None]
         if not np.abs(np.exp(1j * apart) - 1.0).max() < SAME:
             continue
-        moved = rotor.contact.reshape(blades, -1)
-        parts = (real_dft(blades).T @ moved).reshape(blades, -1, modes)
+        basis, moved = real_dft(blades), rotor.contact.reshape(blades, -1, modes)
+        parts = np.einsum("bc,bim->cim", basis, moved)
+        of_column = np.array([nodal_diameter_of(each) for each in range(blades)])
         power = np.zeros((blades // 2 + 1, modes))
-        diameters = [nodal_diameter_of(column) for column in range(blades)]
-        np.add.at(power, diameters, (parts**2).sum(axis=1))
+        np.add.at(power, of_column, (parts**2).sum(axis=1))
         diameter = power.argmax(axis=0)
-        if not (power.sum(axis=0) - power.max(axis=0) <= FIT**2 * power.sum(axis=0)).all():
+        others = parts * (of_column[:, None] != diameter)[:, None]
+        left = np.abs(np.einsum("bc,cim->bim", basis, others)).max(axis=(0, 2))
+        if not (left <= 0.5 * FIT * np.abs(moved).max(axis=(0, 2))).all():
             continue
         column = np.maximum(2 * diameter - 1, 0)
         for k in range(1, (blades + 1) // 2):
