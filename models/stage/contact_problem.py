@@ -167,11 +167,6 @@ class ReducedRotor:
         return values.reshape(self.copies, -1)
 
     @property
-    def blades(self) -> int:
-        """Number of equal blades over which `column` counts."""
-        return len(self.tip_angle)
-
-    @property
     def contact_radius(self) -> FloatArray:
         """Radius of the tips of a copy [m], (tips,)."""
         if self.nodes is None:
@@ -220,14 +215,13 @@ class ReducedRotor:
 
     @property
     def by_harmonics(self) -> bool:
-        """True if time integration treats each harmonic separately.
+        """True if time integration treats each harmonic of the DFT columns separately.
 
         This needs symmetry, and more modes than tips; with fewer modes dense products are faster.
         """
         tips = len(self.tip_angle)
         return (
-            self.nodes is None
-            and 3 <= tips < len(self.column)
+            3 <= tips < len(self.column)
             and bool(np.all(self.column >= 0))
             and evenly_spaced(self.tip_angle)
         )

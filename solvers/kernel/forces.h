@@ -34,13 +34,6 @@ INLINED void spread(const Matrix *rows, const int64_t *index, const double *fact
     }
 }
 
-/* Let the sums of some kinds be multiples of those of the kinds before them. */
-static inline void scale_sums(double *sums, int64_t size, double ratio)
-{
-    for (int64_t i = 0; i < size; i += LANES)
-        store(sums + size + i, mul(splat(ratio), load(sums + i)));
-}
-
 /* Sum the forces on the nodes of the list by column, for each component of a blade. `ratio` is that of
  * tangential to radial forces if it is the same for all, otherwise NULL. */
 static void blade_columns(const March *m, int64_t size, const double *ratio, const double *force)
@@ -66,7 +59,8 @@ static void blade_columns(const March *m, int64_t size, const double *ratio, con
         }
         if (ratio) {
             spread(&rotor->spread, rows, factor, wide, 1, count, half, sums, width);
-            scale_sums(sums, width, *ratio);
+            for (int64_t h = 0; h < width; h += LANES)
+                store(sums + width + h, mul(splat(*ratio), load(sums + h)));
         } else if (directions == 2)
             spread(&rotor->spread, rows, factor, wide, 2, count, half, sums, width);
         else
@@ -204,9 +198,9 @@ static void casing_forces(const March *m, int64_t size, const double *force)
     }
 }
 
-/* Sum a number of forces on the casing nodes by column. `ratio` is as in `blade_columns`. */
-static void casing_columns(const Casing *casing, int64_t count, const double *ratio,
-                           ContactScratch *c)
+/* Sum a number of forces on the casing nodes by column; friction is left out if it is `shared`, that is
+ * a multiple of the normal forces with the same shape. */
+static void casing_columns(const Casing *casing, int64_t count, int shared, ContactScratch *c)
 {
     const Matrix *shapes[KINDS] = {&casing->radial.spread, &casing->radial.slope_spread,
                                    &casing->tangential.spread, &casing->tangential.slope_spread};
@@ -214,14 +208,12 @@ static void casing_columns(const Casing *casing, int64_t count, const double *ra
     const int64_t *rows = c->rows.at;
     const double *factor = c->factor.at;
     double *sums = c->columns.at;
-    if (casing->shared && ratio)
+    if (shared)
         spread(shapes[0], rows, factor, wide, 2, count, half, sums, width);
     else if (casing->shared)
         spread(shapes[0], rows, factor, wide, KINDS, count, half, sums, width);
     for (int k = 0; !casing->shared && k < KINDS; k++)
         spread(shapes[k], rows, factor + k * wide, wide, 1, count, half, sums + k * width, width);
-    if (ratio && casing->shared)
-        scale_sums(sums, 2 * width, *ratio);
 }
 
 /* Add the response to forces of the nodes of the list on the casing to y_{n+1}. Also compute the work
@@ -233,17 +225,19 @@ static void push_casing(const March *m, int64_t size, const double *ratio, const
     ContactScratch *c = &m->scratch->contact;
     Motion y = m->y;
     casing_forces(m, size, force);
-    casing_columns(casing, 2 * size, ratio, c);
+    int shared = ratio && casing->shared;
+    casing_columns(casing, 2 * size, shared, c);
     const NodalField *radial = &casing->radial, *tangential = &casing->tangential;
     int64_t rows = radial->weight.rows, columns = radial->weight.columns, half = casing->half;
     int64_t wide = c->columns.columns;
-    const double *by = c->columns.at;
+    const double *by = c->columns.at, *drag = shared ? by : by + U_KIND * wide;
+    Lanes slides = splat(shared ? *ratio : 1.0);
     Lanes on_normal = splat(0.0), on_shear = on_normal;
     for (int64_t h = 0; h < columns; h += LANES) {
         Lanes on_w = load(by + W_KIND * wide + h);
         Lanes on_w_slope = load(by + W_SLOPE * wide + half + h);
-        Lanes on_u = load(by + U_KIND * wide + half + h);
-        Lanes on_u_slope = load(by + U_SLOPE * wide + h);
+        Lanes on_u = mul(slides, load(drag + half + h));
+        Lanes on_u_slope = mul(slides, load(drag + wide + h));
         Lanes value = splat(0.0), slope = value;
         for (int64_t i = h; i < rows * columns; i += columns) {
             Lanes w = load(radial->weight.at + i), w_slope = load(radial->slope_weight.at + i);

@@ -27,211 +27,7 @@
 #define NODES_H
 
 #include "compliance.h"
-
-/* Return whether any node of a copy has a contact force. */
-static int is_pushed(const Rotor *rotor, const double *force, int64_t copy)
-{
-    int64_t width = rotor->compliance.rows;
-    for (int64_t i = copy * width; i < (copy + 1) * width; i += DIRECTIONS)
-        if (force[i] < 0.0)
-            return 1;
-    return 0;
-}
-
-/* Let copies be wanted that have a contact force. Returns whether there are any. */
-static int want_pushed(const March *m, const double *force)
-{
-    int64_t any = 0, *wanted = m->scratch->nodes.wanted.at;
-    for (int64_t copy = 0; copy < m->stage.rotor->copies; copy++)
-        any |= wanted[copy] = is_pushed(m->stage.rotor, force, copy);
-    return (int)any;
-}
-
-/* Let the copies of the nodes of the list be wanted. */
-static void want_listed(const March *m, int64_t size)
-{
-    NodeScratch *s = &m->scratch->nodes;
-    int64_t copies = m->stage.rotor->copies, count = s->listed.size / copies;
-    for (int64_t copy = 0; copy < copies; copy++)
-        s->wanted.at[copy] = copies == 1;
-    for (int64_t i = 0; i < size && copies > 1; i++)
-        s->wanted.at[s->list.at[i] / count] = 1;
-}
-
-/* Return the work of forces in a direction on the wanted copies for a component of displacements. */
-static double work_of(const March *m, int direction, const double *force, const double *moved)
-{
-    int64_t copies = m->stage.rotor->copies, count = m->stage.rotor->compliance.rows / DIRECTIONS;
-    double sum = 0.0;
-    for (int64_t copy = 0; copy < copies; copy++)
-        for (int64_t n = copy * count; m->scratch->nodes.wanted.at[copy] && n < (copy + 1) * count; n++)
-            sum += force[DIRECTIONS * n + direction] * moved[n];
-    return sum;
-}
-
-/* Add a component of the displacements due to forces and the compliance of the nodes. */
-static void add_flexible(const Rotor *rotor, int64_t direction, const double *force, double factor,
-                         double *out)
-{
-    int64_t width = rotor->compliance.rows, count = width / DIRECTIONS;
-    for (int64_t copy = 0; copy < rotor->copies; copy++) {
-        const double *row = rotor->compliance.at + (copy * width + direction) * width;
-        if (!is_pushed(rotor, force, copy))
-            continue;
-        for (int64_t i = 0; i < count; i++, row += DIRECTIONS * width)
-            out[copy * count + i] += factor * dot(row, force + copy * width, width);
-    }
-}
-
-/* Store the change of the displacements of a body. */
-static void store_change(Motion x, const double *from, double *out)
-{
-    for (int64_t i = 0; i < x.entries; i += LANES)
-        store(out + i, sub(load(x.new + i), load(from + i)));
-}
-
-/* Add the response to the contact forces on massless nodes at step n. */
-static void add_node_forces(const March *m)
-{
-    const double *force = m->state->force.at;
-    NodeScratch *s = &m->scratch->nodes;
-    int64_t size = 0;
-    if (!m->held || !want_pushed(m, force))
-        return;
-    if (m->stage.rotor->half == 0) {
-        push_copies(m, force, m->x.new);
-        return;
-    }
-    for (int64_t n = 0; n < s->listed.size; n++)
-        if (force[DIRECTIONS * n + RADIAL] < 0.0)
-            s->list.at[size++] = n;
-    double ignored[2];
-    push_blades(m, size, NULL, force, m->x.now, m->x.new, ignored);
-}
-
-/* Find the element under each node and its Hermite weights at x_{n+1}. The angle of a node follows
- * its tangential displacement if that of tips does; contact forces are those of step n. */
-static void place_nodes(const March *m)
-{
-    const Rotor *rotor = m->stage.rotor;
-    const Casing *casing = m->stage.casing;
-    FieldScratch *f = &m->scratch->fields;
-    const double *places = rotor->position.at;
-    double *moved = f->moved.at, elements = (double)casing->nodes / (2.0 * PI);
-    if (m->stage.numbers->tip_rotation > 0.0) {
-        node_field(rotor, TANGENTIAL, m->x.new, NULL, f, moved);
-        if (rotor->massless > 0.0 && m->held)
-            add_flexible(rotor, TANGENTIAL, m->state->force.at, 1.0, moved);
-        for (int64_t n = 0; n < f->element.size; n++)
-            f->at.at[n] = places[n] + elements * moved[n] / rotor->radius.at[n];
-        places = f->at.at;
-    }
-    hermite_weights(places, m->rotation.elements, (double)casing->nodes, casing->element_length,
-                    f->element.size, f->hermite.columns, f->element.at, f->hermite.at);
-}
-
-/* Compute the gaps of radial displacements from the sums of w and w' by column. Returns whether all
- * displacements are within the limit. */
-static int find_gaps(const March *m, const double *radial, const double *recess, double *gap)
-{
-    const Casing *casing = m->stage.casing;
-    FieldScratch *f = &m->scratch->fields;
-    const double *part = m->stage.rotor->normal_part.at;
-    double limit = m->stage.numbers->displacement_limit;
-    int64_t within = 0, count = f->element.size;
-    if (!field_at_nodes(nodal_field(casing, &casing->radial, f), f, gap))
-        return 0;
-    for (int64_t n = 0; n < count; n++) {
-        gap[n] = gap[n] * part[n] + (recess[n] - radial[n]);
-        within += fabs(radial[n]) <= limit; /* 0 for NaN */
-    }
-    return within == count;
-}
-
-/* Compute the gaps without contact forces of this step. Returns whether displacements are within the
- * limit. */
-static int find_free_gaps(const March *m, const double *recess)
-{
-    const NodalField *field = &m->stage.casing->radial;
-    FieldScratch *f = &m->scratch->fields;
-    node_field(m->stage.rotor, RADIAL, m->x.new, NULL, f, f->radial.at);
-    column_sums(&field->weight, m->y.new, field->half, f->value.at);
-    column_sums(&field->slope_weight, m->y.new, field->slope_half, f->slope.at);
-    return find_gaps(m, f->radial.at, recess, f->free_gap.at);
-}
-
-/* Return whether the displacements of all nodes at x_{n+1}, in each direction, and the radial ones of
- * the casing are within the limit. */
-static int keeps_limit(const March *m)
-{
-    const Rotor *rotor = m->stage.rotor;
-    const Casing *casing = m->stage.casing;
-    FieldScratch *f = &m->scratch->fields;
-    double limit = m->stage.numbers->displacement_limit;
-    int within = 1;
-    for (int64_t i = 0; casing->modes > 0 && i < casing->nodes; i++)
-        within &= fabs(f->nodal.at[i] - casing->radial.start.at[i]) <= limit;
-    for (int direction = 0; direction < DIRECTIONS; direction++) {
-        node_field(rotor, direction, m->x.new, NULL, f, f->moved.at);
-        if (rotor->massless > 0.0)
-            add_flexible(rotor, direction, m->scratch->nodes.force.at, 1.0, f->moved.at);
-        for (int64_t n = 0; n < f->element.size; n++)
-            within &= fabs(f->moved.at[n]) <= limit;
-    }
-    return within;
-}
-
-/* Compute the displacements of the wanted copies in the step, relative to those of the last contact
- * forces and without new ones. */
-static void slip_nodes(const March *m)
-{
-    const Rotor *rotor = m->stage.rotor;
-    NodeScratch *s = &m->scratch->nodes;
-    FieldScratch *f = &m->scratch->fields;
-    store_change(m->x, m->x.now, f->change.at);
-    for (int direction = 0; direction < DIRECTIONS; direction++) {
-        node_field(rotor, direction, f->change.at, &s->wanted, f, f->moved.at);
-        if (rotor->massless > 0.0 && m->held)
-            add_flexible(rotor, direction, m->state->force.at, -1.0, f->moved.at);
-        for (int64_t n = 0; n < f->element.size; n++)
-            s->slip.at[DIRECTIONS * n + direction] = f->moved.at[n];
-    }
-}
-
-/* Compute a change of the tangential displacement of a flexible casing under each node. */
-static void casing_slip(const March *m, const double *change, double *out)
-{
-    const Casing *casing = m->stage.casing;
-    const NodalField *field = &casing->tangential;
-    FieldScratch *f = &m->scratch->fields;
-    column_sums(&field->weight, change, field->half, f->value.at);
-    column_sums(&field->slope_weight, change, field->slope_half, f->slope.at);
-    field_at_nodes(nodal_field(casing, field, f), f, out);
-}
-
-/* Compute the direction of sliding of each node: that of the rotation, or if it is signed that of the
- * tangential motion in the last step. */
-static void find_signs(const March *m)
-{
-    const Rotor *rotor = m->stage.rotor;
-    FieldScratch *f = &m->scratch->fields;
-    double speed = m->rotation.speed, dt = m->stage.numbers->time_step;
-    double *sign = m->scratch->nodes.sign.at, way = (speed > 0.0) - (speed < 0.0);
-    int64_t count = f->element.size;
-    if (m->stage.numbers->is_signed == 0.0) {
-        for (int64_t n = 0; n < count; n++)
-            sign[n] = way;
-        return;
-    }
-    store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
-    node_field(rotor, TANGENTIAL, f->change.at, NULL, f, f->moved.at);
-    store_change((Motion){.new = m->y.now, .entries = m->y.entries}, m->y.old, f->change.at);
-    casing_slip(m, f->change.at, f->other.at);
-    for (int64_t n = 0; n < count; n++) {
-        double slip = speed * rotor->radius.at[n] + (f->moved.at[n] - f->other.at[n]) / dt;
-        sign[n] = (slip > 0.0) - (slip < 0.0);
-    }
-}
+#include "gaps.h"
 
 /* Collect the state of the nodes of the list before their contact forces are computed. */
 static void collect(const March *m, int64_t size)
@@ -247,14 +43,8 @@ static void collect(const March *m, int64_t size)
         s->direction.at[2 * i] = full ? state->direction.at[2 * n] : s->sign.at[n];
         s->direction.at[2 * i + 1] = full ? state->direction.at[2 * n + 1] : 0.0;
     }
-    for (int64_t i = 0; full && i < size; i++) {
-        int64_t n = s->list.at[i];
-        s->radius.at[i] = rotor->radius.at[n];
-        for (int64_t k = 0; k < DIRECTIONS; k++)
-            s->slide.at[DIRECTIONS * i + k] = s->slip.at[DIRECTIONS * n + k];
-        if (m->stage.casing->modes > 0)
-            s->slide.at[DIRECTIONS * i + TANGENTIAL] -= s->along.at[n];
-    }
+    for (int64_t i = 0; full && i < size; i++)
+        s->radius.at[i] = rotor->radius.at[s->list.at[i]];
 }
 
 /* Add the response of the bodies to the forces of the nodes of the list, and compute their works. */
@@ -326,7 +116,7 @@ static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t s
     for (int64_t n = first * count; n < last * count; n++)
         radial[n] = f->radial.at[n];
     if (rotor->massless > 0.0)
-        add_flexible(rotor, RADIAL, s->force.at, 1.0, radial);
+        add_flexible(rotor, RADIAL, &s->wanted, s->force.at, 1.0, radial);
     else if (rotor->own.layers == DIRECTIONS && !rotor->crosses.at[RADIAL])
         blade_values(rotor, f->sums.at, radial); /* from `push_blades` */
     else
@@ -412,20 +202,13 @@ static int64_t touch_copies(March *m, int64_t first, int64_t last, double closed
     }
     if (touching == 0)
         return 0;
-    if (m->stage.rotor->full > 0.0) {
-        for (int64_t copy = 0; copy < s->wanted.size; copy++)
-            s->wanted.at[copy] = first <= copy && copy < last;
-        slip_nodes(m);
-        if (m->stage.casing->modes > 0) {
-            store_change(m->y, m->y.now, f->change.at);
-            casing_slip(m, f->change.at, s->along.at);
-        }
-    }
     double lack = 0.0;
     for (int64_t joined = size; joined > 0; size += joined) {
         if (joined < size)
             take_back(m, size - joined);
         want_listed(m, size);
+        if (m->stage.rotor->full > 0.0)
+            find_slip(m, size);
         respond_group(m, size);
         collect(m, size);
         lack = contact_forces(m, size);
@@ -511,8 +294,8 @@ static void contact_works(const March *m)
     for (int direction = 0; direction < directions; direction++) {
         node_field(rotor, direction, f->change.at, &s->wanted, f, moved);
         if (massless) {
-            add_flexible(rotor, direction, force, 1.0, moved);
-            add_flexible(rotor, direction, before, -1.0, moved);
+            add_flexible(rotor, direction, &s->wanted, force, 1.0, moved);
+            add_flexible(rotor, direction, &s->wanted, before, -1.0, moved);
         }
         double sum = work_of(m, direction, force, moved);
         if (massless)
@@ -585,7 +368,7 @@ static double flexible_energy(const March *m)
     store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
     for (int direction = 0; direction < DIRECTIONS; direction++) {
         node_field(rotor, direction, f->change.at, &m->scratch->nodes.wanted, f, f->moved.at);
-        add_flexible(rotor, direction, force, 1.0, f->moved.at);
+        add_flexible(rotor, direction, &m->scratch->nodes.wanted, force, 1.0, f->moved.at);
         energy += 0.5 * work_of(m, direction, force, f->moved.at);
     }
     return energy;

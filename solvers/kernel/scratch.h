@@ -114,8 +114,6 @@ typedef struct {
 typedef struct {
     Vector modal;       /* modal forces or changes of a copy */
     Matrix force;       /* contact forces at step n + 1, by copy */
-    Matrix slip;        /* displacements in the step relative to those of the last contact forces,
-                         * without new ones, by copy */
     Vector along;       /* tangential displacement of the casing under each node in the step */
     Vector sign;        /* direction of sliding of each node, if it does not depend on the forces */
     IntVector wanted;   /* 1 for copies with contact forces, or of the group */
@@ -273,7 +271,6 @@ static void lay_nodes(Arena *a, const Stage *g, const State *state, int64_t grou
     int64_t sliding = rotor->full > 0.0 ? 0 : group, slipping = group - sliding;
     s->modal = vector(a, state->rotor.columns / rotor->copies);
     s->force = matrix(a, rotor->copies, components);
-    s->slip = matrix(a, rotor->copies, components);
     s->along = vector(a, rotor->position.size);
     s->sign = vector(a, tips);
     s->wanted = integers(a, rotor->copies);

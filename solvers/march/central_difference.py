@@ -27,7 +27,12 @@ from bladewhirl.solvers.march.march import (
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure, pack_coating
 from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
-from bladewhirl.solvers.packing.rotor import DIRECTIONS, pack_gyroscopic, pack_rotor
+from bladewhirl.solvers.packing.rotor import (
+    DIRECTIONS,
+    blade_columns,
+    pack_gyroscopic,
+    pack_rotor,
+)
 from bladewhirl.solvers.packing.speed import pack_drive, pack_speed
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_fuse, pack_springs
 
@@ -61,11 +66,9 @@ class CentralDifference:
     ) -> None:
         check_time_step(problem, time_step)
         self._problem, self._time_step, self._record_every = problem, time_step, record_every
-        self.cyclic = (
-            cyclic and problem.rotor.by_harmonics,
-            cyclic and problem.casing.by_harmonics,
-        )
-        rotor, self._rotor = pack_rotor(problem, time_step, cyclic=self.cyclic[0])
+        self._columns = blade_columns(problem.rotor) if cyclic else None
+        self.cyclic = self._columns is not None, cyclic and problem.casing.by_harmonics
+        rotor, self._rotor = pack_rotor(problem, time_step, self._columns)
         casing, self._casing = pack_casing(
             problem.casing,
             [load.casing for load in problem.loads],
@@ -103,7 +106,7 @@ class CentralDifference:
         """Return the structs that depend on Coriolis forces, for the same problem at another
         speed."""
         dt, cyclic = self._time_step, self.cyclic[0]
-        arrangement, packed = pack_rotor(problem, dt, cyclic=cyclic)
+        arrangement, packed = pack_rotor(problem, dt, self._columns)
         like = self._stage["gyroscopic"]
         return {
             "rotor": packed,

@@ -4,6 +4,7 @@ each copy. Arrays for the coupling of its modes by Coriolis forces and damping."
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import nodal_diameter_of, real_dft
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import (
@@ -34,13 +35,64 @@ DIRECTIONS = 3
 """Components of the displacement of a contact node: radial, tangential, axial."""
 
 
-def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
+BladeColumns = tuple[int, IntArray]
+"""Number of equal blades, and the DFT column over these blades of each mode, (modes,)."""
+
+SAME = 1e-9  #: angles that differ by less are the same [rad]
+
+
+def blade_columns(rotor: ReducedRotor) -> BladeColumns | None:
+    """Return the DFT columns over the blades, with which harmonics are treated separately; None if
+    there are none, or if dense products are faster because there are fewer modes than blades.
+
+    The blades of a wheel are equal if their contact nodes are the same, turned by the distance of
+    blades, and if each mode moves the nodes with one nodal diameter. Which mode of a pair is called
+    cosine has no meaning then, as a mode may have both parts.
+    """
+    tips, modes = len(rotor.tip_angle), len(rotor.frequency)
+    if rotor.by_harmonics:
+        return tips, rotor.column
+    if rotor.nodes is None or rotor.copies > 1:
+        return None
+    for blades in range(min(tips, modes - 1), 2, -1):
+        if tips % blades:
+            continue
+        apart = rotor.tip_angle.reshape(blades, -1) - rotor.tip_angle[: tips // blades]
+        apart -= 2.0 * np.pi / blades * np.arange(blades)[:, None]
+        if not np.abs(np.exp(1j * apart) - 1.0).max() < SAME:
+            continue
+        basis, moved = real_dft(blades), rotor.contact.reshape(blades, -1, modes)
+        parts = np.einsum("bc,bim->cim", basis, moved)
+        of_column = np.array([nodal_diameter_of(each) for each in range(blades)])
+        power = np.zeros((blades // 2 + 1, modes))
+        np.add.at(power, of_column, (parts**2).sum(axis=1))
+        diameter = power.argmax(axis=0)
+        others = parts * (of_column[:, None] != diameter)[:, None]
+        left = np.abs(np.einsum("bc,cim->bim", basis, others)).max(axis=(0, 2))
+        if not (left <= 0.5 * FIT * np.abs(moved).max(axis=(0, 2))).all():
+            continue
+        column = np.maximum(2 * diameter - 1, 0)
+        for k in range(1, (blades + 1) // 2):
+            cosine, sine = parts[2 * k - 1], parts[2 * k]
+            own = np.flatnonzero(diameter == k)
+            own = own[np.argsort(rotor.frequency[own], kind="stable")]
+            first, second = own[0::2], own[1::2]
+            for one, other in zip(first, second, strict=False):  # turned by a quarter of a wave
+                turn = cosine[:, one] @ sine[:, other] - sine[:, one] @ cosine[:, other]
+                column[other if turn > 0.0 else one] += 1
+        return blades, column
+    return None
+
+
+def pack_rotor(
+    problem: ContactProblem, dt: float, columns: BladeColumns | None
+) -> tuple[Arrangement, Struct]:
     """Return the arrangement and the arrays of the rotor.
 
     Args:
         problem: contact problem.
         dt: time step [s].
-        cyclic: use the DFT columns of the modes.
+        columns: DFT columns, see `blade_columns`; None to use none.
 
     Raises:
         ValueError: modes do not vary as their DFT columns.
@@ -48,8 +100,9 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
     rotor = problem.rotor
     contact, inverses, flexible = rotor.contact, rotor_inverses(rotor, dt), rotor.compliance
     compliance = contact @ inverses @ contact.T if flexible is None else flexible
-    made = _harmonics(problem, inverses[0]) if cyclic else _dense(rotor)
-    arrangement, arrays = made
+    arrangement, arrays = (
+        _dense(rotor) if columns is None else _harmonics(problem, columns, inverses[0])
+    )
     return arrangement, Struct(
         "Rotor",
         body=_body(problem, arrangement, dt),
@@ -63,24 +116,27 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
     )
 
 
-def _harmonics(problem: ContactProblem, inverse: FloatArray) -> tuple[Arrangement, Arrays]:
+def _harmonics(
+    problem: ContactProblem, columns: BladeColumns, inverse: FloatArray
+) -> tuple[Arrangement, Arrays]:
     """Return the arrangement of the modes by harmonic, and the weights of a blade's components.
 
     Args:
         problem: contact problem.
+        columns: DFT columns, see `blade_columns`.
         inverse: A^-1, see `rotor_inverses`.
     """
     rotor, turning = problem.rotor, problem.rotor.by_velocity is not None
-    blades = rotor.blades
+    blades, column = columns
     fold = blades >= FOLDED and not turning and problem.foreshortening is None
     harmonics = Harmonics(blades, fold=fold, unit=lib.HALF, alone=turning)
-    arrangement = harmonics.arrangement(harmonics.place[rotor.column])
+    arrangement = harmonics.arrangement(harmonics.place[column])
     # Forces on massless nodes act on the modes before the product with A^-1.
     couples = turning and rotor.compliance is None
     components = rotor.contact.reshape(blades, -1, len(inverse)).swapaxes(0, 1)
     weights, answers, crosses = [], [], []
     for rows in components:
-        own, across = harmonics.amplitudes(rows, rotor.column)
+        own, across = harmonics.amplitudes(rows, column)
         crosses.append(np.abs(across).max(initial=0.0) > FIT * np.abs(own).max(initial=0.0))
         across = across * crosses[-1]
         weights.append([arrangement.grid(each) for each in (own, across)])

@@ -9,12 +9,12 @@ from bladewhirl.models.elements.cyclic import real_dft
 from bladewhirl.solvers.kernel.structs import CACHE_LINE, aligned
 from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics
 from bladewhirl.solvers.packing.casing import pack_casing
-from bladewhirl.solvers.packing.rotor import DIRECTIONS, pack_rotor
+from bladewhirl.solvers.packing.rotor import DIRECTIONS, blade_columns, pack_rotor
 
 
 def arrangements(blades: int, elements: int, *, cyclic: bool) -> list[Arrangement]:
     given = stage_problem(blades, elements)
-    rotor, _ = pack_rotor(given, 1e-7, cyclic=cyclic)
+    rotor, _ = pack_rotor(given, 1e-7, blade_columns(given.rotor) if cyclic else None)
     casing, _ = pack_casing(given.casing, [], 1e-7, cyclic=cyclic, friction=0.1)
     return [rotor, casing]
 
@@ -78,7 +78,7 @@ def test_arrays_start_on_a_cache_line(shape: int | tuple[int, ...]) -> None:
 def test_sums_by_column_and_shapes_give_the_tips_motion(cyclic: bool) -> None:
     """The components of the displacement of each tip, in the kernel's two stages."""
     given = stage_problem(5, 8)
-    arrangement, arrays = pack_rotor(given, 1e-7, cyclic=cyclic)
+    arrangement, arrays = pack_rotor(given, 1e-7, blade_columns(given.rotor) if cyclic else None)
     modal = np.random.default_rng(1).normal(size=len(given.rotor.frequency))
     x, tips = arrangement.grid(modal), len(given.rotor.tip_angle)
     expected = (given.rotor.contact @ modal).reshape(tips, DIRECTIONS).T
