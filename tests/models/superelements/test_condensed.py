@@ -36,7 +36,7 @@ def test_a_condensed_wheel_has_its_modes_and_flexibilities(
 
 
 @pytest.mark.slow
-def test_a_wheel_that_loses_its_stiffness_in_the_range_is_reduced_at_its_speed(
+def test_a_wheel_above_its_critical_speed_is_condensed_for_the_range_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = exported(beams(rotation={"effects": "full"}), "wheel", tmp_path)
@@ -47,5 +47,5 @@ def test_a_wheel_that_loses_its_stiffness_in_the_range_is_reduced_at_its_speed(
     )  # the next power of two is above the critical speed
     speed = f"{0.5 * (highest + critical)} rad/s"
     exact, again = both(bw.with_values(case, {"march.speed": speed}), monkeypatch)
-    assert again.part.size == exact.part.size
-    assert np.array_equal(again.reduced.frequency, exact.reduced.frequency)
+    assert again.part.size < exact.part.size
+    assert again.reduced.frequency == pytest.approx(exact.reduced.frequency, rel=1e-8)
