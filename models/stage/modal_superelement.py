@@ -55,8 +55,8 @@ from bladewhirl.models.superelements.nodal_blocks import (
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
 COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
-"""Number of further modes of each nodal diameter, which rotation or damping may couple to the
-chosen ones: for modes at many speeds, and for those at the speed of the case."""
+"""Number of further modes of each nodal diameter, which rotation, damping or a wall may couple to
+the chosen ones: for modes at many speeds, and for those at the speed of the case."""
 
 FEWEST = 4  #: number of modes of each nodal diameter that are computed first where nothing couples
 
@@ -332,8 +332,8 @@ def modal_superelement(
     if case.rotation.effects != "none":
         highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
     couples = part.gyroscopic is not None or part.damping is not None
-    if case.rotation.effects != "none" and (count is None or not equal):
-        couples = True  # at speeds between those of the blocks
+    if count is None or (case.rotation.effects != "none" and not equal):
+        couples = True  # at speeds between those of the blocks, and where the wall holds tips
     coupled = COUPLED if count is None else COUPLED_AT_ONE_SPEED
     further = coupled if couples else 0
     try:

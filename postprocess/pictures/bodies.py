@@ -14,6 +14,8 @@ from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.solids import HUB, Placed, Solid, hub_of, tube, tube_triangles
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
+NO_SURFACE = "expected a superelement whose file has points, recovery and triangles"
+
 BEAM_STATIONS = 6  #: number of straight pieces of a beam
 RING_STATIONS = 720  #: smallest number of straight pieces of the casing
 MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
@@ -132,7 +134,7 @@ class Triangles:
         view: View,
     ) -> None:
         if "triangle" not in dataset:
-            raise ViewError("expected a superelement whose file has points, recovery and triangles")
+            raise ViewError(NO_SURFACE)
         stage = EnlargedSurface(dataset, records, factor=factor, per_element=per_element)
         self.stage, self.triangles = stage, copied_cells(dataset)
         self.largest_bend = stage.largest_bend

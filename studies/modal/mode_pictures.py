@@ -32,6 +32,7 @@ from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, sha
 from bladewhirl.postprocess.modal.point_shapes import plot_point_shapes
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
+from bladewhirl.postprocess.pictures.bodies import NO_SURFACE
 from bladewhirl.postprocess.pictures.render import render_animation
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, scenario_dataset, whirling_modes
 from bladewhirl.studies.runs.figures_folder import save_figures
@@ -91,8 +92,10 @@ def plan_pictures(
         wave: wave shown by films; if None, the wave that contact amplifies.
 
     Raises:
-        UserError: a mode or wave does not exist.
+        UserError: a mode or wave does not exist, or there is no surface to film.
     """
+    if animate and not stage.has_surface:
+        raise UserError(f"--animate {animate}: {NO_SURFACE}")
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
     if animate is None and not stage.has_surface:

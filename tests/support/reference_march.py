@@ -570,8 +570,8 @@ class Reference:
         coating = self._problem.coating
         if coating is None:
             return None
-        strain = np.reshape([state.strain[0] for state in states], (len(states), -1))
         first = coating.strain[0]
+        strain = np.reshape([state.strain[0] for state in states], (len(states), len(first)))
         volume = coating.arc * coating.width[0] * coating.thickness
         plastic = coating.yield_stress * (strain - first)
         plastic += 0.5 * coating.hardening * (strain**2 - first**2)

@@ -49,7 +49,9 @@ def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
     figure = bw.plot.whirl(run, start=0.02)
     assert isinstance(figure, Figure)
     assert figure.axes[1].get_ylabel() == "radius [mm]"
-    with pytest.raises(ViewError, match="figure 'maps': expected one of orbit, whirl"):
+    with pytest.raises(
+        ViewError, match="figure 'maps': expected one of orbit, bearing-forces, whirl"
+    ):
         bw.plot.maps(run)
     folder = synthetic_sweep(tmp_path / "sweep", {"march.speed": (1.0,)}, [run])
     with bw.open_sweep(folder) as sweep:

@@ -230,7 +230,7 @@ def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
     }
     drawn = of_beams - messages
     assert messages == {"maps", "probability", "wear"}
-    files = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
+    files = {f"{name}.{kind}" for name in drawn for kind in ("png", "nc")}
     assert {path.name for path in tmp_path.iterdir()} == {*files, "manifest.json"}
     for name in drawn:
         with xr.open_dataset(tmp_path / f"{name}.nc", engine="h5netcdf") as data:

@@ -49,7 +49,8 @@ def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None
     free, clamped = document("modes"), document("modes", "--set", "shaft.clamped=true")
     assert clamped["bladed_disk"] == free["bladed_disk_clamped"]
     assert clamped["bladed_disk_free"] == free["bladed_disk"]
-    assert len(free["bladed_disk"]) == 60
+    listed = {(mode["family"], mode["nodal_diameter"]) for mode in free["bladed_disk"]}
+    assert len(listed) == 60
     assert all(mode["family"] != "suspension" for mode in clamped["bladed_disk"])
 
 
@@ -67,7 +68,7 @@ def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.Monk
     answer("modes", case, *SMALL, "-o", folder, *chosen)
     figures = ("bladed-disk-shapes", "casing-shapes", "standard-scenario", "inverted-scenario")
     assert {path.name for path in folder.iterdir()} == {
-        *(f"{name}.{end}" for name in (*figures, "1F-1-wave") for end in ("png", "pdf", "nc")),
+        *(f"{name}.{end}" for name in (*figures, "1F-1-wave") for end in ("png", "nc")),
         "1F-1.gif",
         "1F-1-vtk",
         MANIFEST_NAME,

@@ -73,7 +73,7 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
     absent = {name for name, kind in RUN_FIGURES.items() if OF_OTHERS.intersection(kind.needs)}
     assert not any(name in result.stderr for name in absent)
     left_out = 2 + 4 + len(absent)  # four need sensors
-    assert len(list((still / "plots").iterdir())) == 3 * (len(RUN_FIGURES) - left_out) + 1
+    assert len(list((still / "plots").iterdir())) == 2 * (len(RUN_FIGURES) - left_out) + 1
     refusal("plot", still, "state-space")
 
 

@@ -126,7 +126,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStor
     assert {path.name for path in folder.iterdir()} == {
         "runs",
         "convergence.json",
-        *(f"{name}.{kind}" for name in ("time-step", "modes") for kind in ("png", "pdf", "nc")),
+        *(f"{name}.{kind}" for name in ("time-step", "modes") for kind in ("png", "nc")),
     }
     assert len(list((folder / "runs").glob("*.nc"))) == 3  # 4 us with 12 modes is in both
     document = json.loads((folder / "convergence.json").read_text())

@@ -51,7 +51,6 @@ def test_bent_blades_lock_in_one_direction(speed: str) -> None:
     assert 0.05 < float(one["clearance_consumption"]) < 0.9
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sector", "blade", "wheel"])
 def test_superelements_are_in_contact_as_their_beams(kind: str, tmp_path: Path) -> None:
     disk = BENT | ({"disk_kind": "rigid"} if kind == "blade" else {})

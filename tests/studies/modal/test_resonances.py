@@ -61,7 +61,6 @@ def test_bands_of_beams_lie_between_free_and_held_tips() -> None:
     assert float(ratio.min()) >= 1.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sector", "blade", "wheel"])
 def test_superelements_have_the_bands_of_their_beams(kind: str, tmp_path: Path) -> None:
     disk = {"disk_kind": "rigid"} if kind == "blade" else {}

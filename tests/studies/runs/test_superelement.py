@@ -390,7 +390,7 @@ def test_a_run_has_figures_by_name_and_a_report(run: Run, tmp_path: Path) -> Non
     plots = tmp_path / "plots"
     printed = answer("plot", run.directory, "all", "--from", "0.01", "-o", plots).stdout
     drawn = {line.split()[1].rpartition("/")[2] for line in printed.splitlines()}
-    assert {"contact-nodes.png,", "tips.png,", "gaps.png,", "work.png,", "energy.png,"} <= drawn
+    assert {"contact-nodes.png", "tips.png", "gaps.png", "work.png", "energy.png"} <= drawn
     with xr.open_dataset(plots / "contact-nodes.nc", engine="h5netcdf") as data:
         assert float(data["time"][0]) == pytest.approx(0.01)
     words = reported(run.directory).words
