@@ -161,9 +161,10 @@ def _of_superelement(stage: SuperelementStage) -> Shown:
     from bladewhirl.studies.runs.properties import superelement_properties
 
     derived = superelement_properties(stage)
+    title = "Contact nodes" + " of a copy" * (stage.copies > 1)
     tables = [
         facts(texts(derived, OF_SUPERELEMENT)),
-        table(derived["contact_nodes"], NODES, "Contact nodes of a copy"),
+        table(derived["contact_nodes"], NODES, title),
     ]
     return derived, tables, {"contact nodes": np.arange(stage.part.contacts * stage.copies)}
 
