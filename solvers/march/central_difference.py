@@ -168,6 +168,8 @@ class CentralDifference:
         the torque on a free rotor [N m], and the acceleration of the rotation [rad/s2]."""
         problem = self._problem
         torque, rate = 0.0, turned.acceleration
+        if problem.drive is not None:  # its acceleration is found here, with the forces it causes
+            turned = turned._replace(acceleration=0.0)
         amplitudes = np.array(
             [load.amplitude(time, turned, problem.speed) for load in problem.loads]
         )

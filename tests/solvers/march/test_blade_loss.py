@@ -20,6 +20,7 @@ from bladewhirl.models.stage.blade_loss import lost_part, remaining_disk, withou
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.solvers.kernel.structs import lib
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk, KernelState
 from bladewhirl.solvers.march.sudden_changes import Phase, SuddenChanges, make_scheme
@@ -370,6 +371,33 @@ def test_a_free_rotor_keeps_what_the_lost_blade_leaves() -> None:
     scale = np.abs(chunk.rotor_energy).max()
     np.testing.assert_allclose(energy, energy[0], atol=1e-9 * scale)
     assert np.abs(chunk.rotation_speed[lost] / stage.speed - 1.0).max() > 1e-6
+
+
+def test_a_torque_on_a_free_rotor_moves_on_through_the_loss() -> None:
+    """The state at the loss has the momentum of the march, to the second order of the step: the
+    Euler forces of the acceleration act once."""
+    drive = {"inertia": 0.5, "torque": 2000.0}
+    given = stage_of(
+        rotation__effects="full",
+        march__speed="100 rad/s",
+        march__drive=drive,
+        blade_loss__time=2e-3,
+    )
+    problem, lacks = contact_problem(given), []
+    for dt in (5e-7, 1e-6):
+        scheme = SuddenChanges(problem, dt, 1000)
+        phase = scheme._phases["whole"]
+        state, _, _ = phase.scheme.advance(phase.scheme.init(), round(LOST_AT / dt))
+        start, turned = scheme.motion(phase, state)
+        assert problem.drive is not None
+        assert problem.change is not None
+        momentum = problem.drive.momentum(
+            turned.speed, problem.change, start.rotor, start.rotor_velocity
+        )
+        marched_on = state.arrays["drive"][lib.DRIVE_MOMENTUM] + 0.5 * dt * drive["torque"]
+        lacks.append(abs(momentum - marched_on) / marched_on)
+    assert lacks[1] < 1e-6
+    assert lacks[1] / lacks[0] == pytest.approx(4.0, rel=0.1)
 
 
 @pytest.mark.slow
