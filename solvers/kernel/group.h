@@ -5,7 +5,6 @@
 #ifndef GROUP_H
 #define GROUP_H
 
-#include "complementarity.h"
 #include "pieces.h"
 
 enum { MOST_DIRECTIONS = 100 }; /* iterations of the direction of sliding */

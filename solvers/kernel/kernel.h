@@ -244,7 +244,6 @@ typedef struct {
     IntVector track;      /* (tips) track of each node */
     Vector area;          /* (tracks) area of a rod of each track [m2] */
     int64_t rods;         /* number of rods of a track */
-    double steepest;      /* largest slope of a rigid wall and of the closure by the angle [m] */
     double thickness;     /* thickness h [m] */
     double young_modulus; /* E [Pa] */
     double yield_stress;  /* s_y [Pa] */

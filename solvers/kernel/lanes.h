@@ -91,6 +91,16 @@ static inline Half half_larger(Half a, Half b)
     return a;
 }
 
+/* Return 1 in each lane where a is above b, otherwise 0. */
+static inline Half half_above(Half a, Half b)
+{
+    typedef int64_t Mask __attribute__((vector_size(8 * HALF_WIDTH)));
+    Half one = half_splat(1.0);
+    for (int k = 0; k < HALF / HALF_WIDTH; k++)
+        a.v[k] = (HalfVector)((a.v[k] > b.v[k]) & (Mask)one.v[k]);
+    return a;
+}
+
 /* Sum of the lanes. */
 static inline double total(Lanes a)
 {

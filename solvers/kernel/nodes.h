@@ -103,7 +103,7 @@ static void take_back(March *m, int64_t size)
 /* Compute the gaps of all nodes of some copies with contact, and add the nodes inside the wall to the
  * list. Returns the number of nodes that were added, or -1 if a displacement is above the limit or not
  * a number. */
-static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t size, double closed,
+static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t size,
                           const double *recess)
 {
     const Rotor *rotor = m->stage.rotor;
@@ -140,8 +140,8 @@ static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t s
         int inside = gap < -LEAST_GAP * m->stage.numbers->gap_scale;
         if (m->stage.coating && gap < reach) {
             if (!r->near.at[n])
-                place_rods(m, n, closed);
-            inside |= press_node(m, n, gap, &slope, NULL) > 0.0;
+                place_rods(m, n);
+            inside |= press_node(m, n, gap, &slope) > 0.0;
         }
         if (inside) {
             s->listed.at[n] = 1;
@@ -186,8 +186,7 @@ static void note_residual(const March *m, int64_t size, double lack)
 
 /* Compute the contact of some copies that are solved together. Returns the number of nodes of the
  * group, which is 0 if no node touches the wall, or -1 if a displacement is above the limit. */
-static int64_t touch_copies(March *m, int64_t first, int64_t last, double closed,
-                            const double *recess)
+static int64_t touch_copies(March *m, int64_t first, int64_t last, const double *recess)
 {
     NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
@@ -213,7 +212,7 @@ static int64_t touch_copies(March *m, int64_t first, int64_t last, double closed
         collect(m, size);
         lack = contact_forces(m, size);
         distribute(m, size);
-        joined = join_nodes(m, first, last, size, closed, recess);
+        joined = join_nodes(m, first, last, size, recess);
         if (joined < 0)
             return -1;
     }
@@ -231,7 +230,7 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
     FieldScratch *f = &m->scratch->fields;
     BendScratch *bending = &m->scratch->bending;
     int64_t together = casing->modes > 0 ? rotor->copies : 1, count = f->element.size;
-    double rate, closed = 0.0, later = (double)(step + 1) * m->stage.numbers->time_step;
+    double later = (double)(step + 1) * m->stage.numbers->time_step;
     int touches = 0;
     *touching = 0;
     place_nodes(m);
@@ -248,10 +247,8 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
         for (int64_t i = 0; i < s->force.rows * s->force.columns; i++)
             s->force.at[i] = 0.0;
     m->pushed = m->drawn = 0;
-    if (m->stage.coating) {
-        closed = m->stage.closure ? closure_at(m->stage.closure, later, &rate) : 0.0;
-        touches = find_rods(m, closed);
-    }
+    if (m->stage.coating)
+        touches = find_rods(m, later);
     for (int64_t n = 0; n < count; n++)
         touches |= f->free_gap.at[n] < 0.0;
     if (!touches)
@@ -262,7 +259,7 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
         f->gap.at[n] = f->free_gap.at[n];
     find_signs(m);
     for (int64_t first = 0; first < rotor->copies; first += together) {
-        int64_t size = touch_copies(m, first, first + together, closed, recess);
+        int64_t size = touch_copies(m, first, first + together, recess);
         if (size < 0)
             return 0;
         *touching += size;

@@ -14,6 +14,7 @@
 #ifndef PIECES_H
 #define PIECES_H
 
+#include "complementarity.h"
 #include "rods.h"
 
 #define SAME_DIRECTION 1e-10 /* change of the direction of sliding at which iterations end */
@@ -26,7 +27,7 @@ static double force_at(const March *m, int64_t i, double place, double *slope)
     double force = 0.0;
     *slope = 0.0;
     if (m->stage.coating && m->scratch->rods.near.at[s->list.at[i]])
-        force = press_node(m, s->list.at[i], larger(place, 0.0), slope, NULL);
+        force = press_node(m, s->list.at[i], larger(place, 0.0), slope);
     if (place < 0.0) {
         *slope = 1.0 / larger(fabs(s->response.at[i * s->response.columns + i]), 1e-300);
         force -= place * *slope;
@@ -41,58 +42,67 @@ static double next_kink(const March *m, int64_t i, double place, int above)
     double kink = above ? (place < 0.0 ? 0.0 : INFINITY) : (place > 0.0 ? 0.0 : -INFINITY);
     if (!m->stage.coating || !m->scratch->rods.near.at[n])
         return kink;
-    const RodScratch *r = &m->scratch->rods;
-    return kink_of_rods(m->stage.coating, n, r->range.at + 2 * n,
-                        r->offset.at + n * r->offset.columns, &m->state->strain, place, above, kink);
+    return kink_of_rods(m, n, place, above, kink);
 }
 
-/* Compute the change of the places that solves the equations if forces are linear, in the last column
- * of the system. Returns 0 if they are singular. */
+/* Compute the change of the places that solves the equations if forces are linear, as the solution of
+ * the contact system. Returns 0 if they are singular. */
 static int linear_step(const March *m, int64_t size)
 {
-    PieceScratch *p = &m->scratch->pieces;
+    const PieceScratch *p = &m->scratch->pieces;
     const Matrix *response = &m->scratch->nodes.response;
-    const double *gap = m->scratch->nodes.gap.at;
-    for (int64_t i = 0; i < size; i++) {
-        double *row = p->system.at + i * (size + 1), right = gap[i] - larger(p->place.at[i], 0.0);
-        for (int64_t j = 0; j < size; j++) {
-            double w = response->at[j * response->columns + i];
-            row[j] = w * p->slope.at[j];
-            right += w * p->force.at[j];
+    ContactScratch *c = &m->scratch->contact;
+    double *column = c->system.at, *right = column + size * c->system.columns;
+    for (int64_t i = 0; i < size; i++)
+        right[i] = m->scratch->nodes.gap.at[i] - larger(p->place.at[i], 0.0);
+    for (int64_t j = 0; j < size; j++, column += c->system.columns) {
+        const double *from = response->at + j * response->columns;
+        Lanes slope = splat(p->slope.at[j]), force = splat(p->force.at[j]);
+        for (int64_t i = 0; i < size; i += LANES) {
+            store(column + i, mul(load(from + i), slope));
+            store(right + i, muladd(load(from + i), force, load(right + i)));
         }
-        row[i] += p->open.at[i];
-        row[size] = right;
+        column[j] += p->open.at[j];
     }
-    return eliminate_rows(p->system.at, size, 1);
+    return eliminate(c, size);
+}
+
+/* Take a place of a node of the group, with the force there and its slope. */
+static void take_place(const March *m, int64_t i, double place)
+{
+    PieceScratch *p = &m->scratch->pieces;
+    p->place.at[i] = place;
+    p->force.at[i] = force_at(m, i, place, p->slope.at + i);
+    p->open.at[i] = place >= 0.0;
 }
 
 /* Solve the equations by Newton's method from the places. Returns 0 if it does not converge. */
 static int newton(const March *m, int64_t size, double scale)
 {
     PieceScratch *p = &m->scratch->pieces;
-    double share = 1.0, last = INFINITY, slope; /* of a step, and its size before */
-    int refined = 0;                            /* whether the step before was exact too */
+    const double *steps = m->scratch->contact.solution.at;
+    double share = 1.0, last = INFINITY; /* of a step, and its size before */
+    int refined = 0;                     /* whether the step before was exact too */
+    for (int64_t i = 0; i < size; i++)
+        take_place(m, i, p->place.at[i]);
     for (int trial = 0; trial < MOST_NEWTON; trial++) {
-        for (int64_t i = 0; i < size; i++) {
-            p->force.at[i] = force_at(m, i, p->place.at[i], p->slope.at + i);
-            p->open.at[i] = p->place.at[i] >= 0.0;
-        }
         if (!linear_step(m, size))
             return 0;
         double change = 0.0;
         int exact = 1; /* whether gaps and forces at the new places are those that were assumed */
         for (int64_t i = 0; i < size; i++) {
-            double step = p->system.at[i * (size + 1) + size], to = p->place.at[i] + step;
-            double force = force_at(m, i, to, &slope), assumed = p->force.at[i];
-            assumed -= p->slope.at[i] * step;
-            change = larger(change, fabs(step));
-            exact &= fabs(force - assumed) <= 1e-13 * fabs(force) + 1e-14 * scale * p->slope.at[i];
-            exact &= fabs(p->open.at[i] > 0.0 ? smaller(to, 0.0) : larger(to, 0.0)) <= 1e-14 * scale;
+            double from = p->place.at[i], slope = p->slope.at[i], open = p->open.at[i];
+            double assumed = p->force.at[i] - slope * steps[i], to = from + steps[i];
+            take_place(m, i, to);
+            double force = p->force.at[i];
+            change = larger(change, fabs(steps[i]));
+            exact &= fabs(force - assumed) <= 1e-13 * fabs(force) + 1e-14 * scale * slope;
+            exact &= fabs(open > 0.0 ? smaller(to, 0.0) : larger(to, 0.0)) <= 1e-14 * scale;
         }
         share = exact || !(change > 0.5 * last) ? 1.0 : larger(0.5 * share, 0.125);
         last = change;
-        for (int64_t i = 0; i < size; i++)
-            p->place.at[i] += share * p->system.at[i * (size + 1) + size];
+        for (int64_t i = 0; i < size && share < 1.0; i++)
+            take_place(m, i, p->place.at[i] - (1.0 - share) * steps[i]);
         if (exact && (refined || change <= 1e-14 * scale))
             return 1;
         refined = exact;
@@ -122,12 +132,12 @@ static int follow_pieces(const March *m, int64_t size)
         }
         if (!linear_step(m, size))
             return 0;
-        const double *step = p->system.at + size;
-        double forward = crossed >= 0 && way * step[crossed * (size + 1)] < 0.0 ? -1.0 : 1.0;
+        const double *step = m->scratch->contact.solution.at;
+        double forward = crossed >= 0 && way * step[crossed] < 0.0 ? -1.0 : 1.0;
         double length = forward > 0.0 ? 1.0 : INFINITY;
         crossed = -1;
         for (int64_t i = 0; i < size; i++) {
-            double move = forward * step[i * (size + 1)];
+            double move = forward * step[i];
             double to = move > 0.0 ? p->high.at[i] : p->low.at[i];
             if (move != 0.0 && (to - p->place.at[i]) / move < length) {
                 length = larger(0.0, (to - p->place.at[i]) / move);
@@ -137,10 +147,10 @@ static int follow_pieces(const March *m, int64_t size)
         if (!isfinite(length))
             return 0;
         for (int64_t i = 0; i < size; i++)
-            p->place.at[i] += length * forward * step[i * (size + 1)];
+            p->place.at[i] += length * forward * step[i];
         if (crossed < 0)
             return 1;
-        way = forward * step[crossed * (size + 1)] > 0.0 ? 1.0 : -1.0;
+        way = forward * step[crossed] > 0.0 ? 1.0 : -1.0;
         double *low = p->low.at + crossed, *high = p->high.at + crossed;
         p->place.at[crossed] = way > 0.0 ? *high : *low;
         *(way > 0.0 ? low : high) = p->place.at[crossed];
@@ -165,7 +175,7 @@ static int solve_pieces(const March *m, int64_t size)
         solved = follow_pieces(m, size) && newton(m, size, scale);
     }
     for (int64_t i = 0; i < size; i++)
-        s->multiplier.at[i] = force_at(m, i, p->place.at[i], &slope);
+        s->multiplier.at[i] = solved ? p->force.at[i] : force_at(m, i, p->place.at[i], &slope);
     return solved;
 }
 

@@ -37,93 +37,85 @@ static int64_t wrapped(const Coating *c, int64_t rod)
     return rod < 0 ? rod + c->rods : rod < c->rods ? rod : rod - c->rods;
 }
 
-/* Compress the rods of a node at a gap to the metal. Returns the force [N]; `slope` gets its
- * decrease with the gap [N/m]. If `sums` is given, plastic strains are updated, and changes are added
- * to it. */
-static double press_rods(const Coating *c, int64_t node, const int64_t range[2],
-                         const double *offset, double gap, const Matrix *strain, double *slope,
-                         double *sums)
+/* Compress the rods of a node at a gap to the metal. Returns the force [N]; `slope` gets its decrease
+ * with the gap [N/m]. The stresses and the growth of the plastic strains are stored. */
+static double press_node(const March *m, int64_t n, double gap, double *slope)
 {
-    int64_t track = c->track.at[node];
-    double area = c->area.at[track], young = c->young_modulus, h = c->hardening, force = 0.0;
-    double removable = c->limit * c->thickness, volume = area * c->thickness;
-    double *plastic = strain->at + track * strain->columns;
-    *slope = 0.0;
-    for (int64_t n = range[0]; n <= range[1]; n++) {
-        double *p = plastic + wrapped(c, n);
-        double depth = removable - gap - offset[n - range[0]];
-        double stress = young * (depth / c->thickness - *p);
-        if (!(stress > 0.0))
-            continue;
-        double grown = larger(0.0, stress - (c->yield_stress + h * *p)) / (young + h);
-        double rate = grown > 0.0 ? young * h / (young + h) : young;
-        if (grown > larger(0.0, c->limit - *p)) {
-            grown = larger(0.0, c->limit - *p);
-            rate = young;
-        }
-        stress -= young * grown;
-        force += area * stress;
-        *slope += area * rate / c->thickness;
-        if (sums) {
-            double after = *p + grown;
-            sums[REMOVED] += volume * grown;
-            sums[DISSIPATED] += volume * (c->yield_stress + 0.5 * h * (after + *p)) * grown;
-            sums[STORED] += 0.5 * volume * stress * stress / young;
-            *p = after;
-        }
+    const Coating *c = m->stage.coating;
+    RodScratch *r = &m->scratch->rods;
+    double young = c->young_modulus, softer = young / (young + c->hardening);
+    double area = c->area.at[c->track.at[n]], steep = young / c->thickness;
+    const double *trial = r->trial.at + n * r->trial.columns;
+    const double *yield = r->yield.at + n * r->yield.columns;
+    const double *left = r->left.at + n * r->left.columns;
+    Half none = half_splat(0.0), drop = half_splat(-steep * gap), sum = none, touching = none;
+    Half yielding = none, by_growth = half_splat(-1.0 / (young + c->hardening));
+    for (int64_t k = 0; k <= r->range.at[2 * n + 1] - r->range.at[2 * n]; k += HALF) {
+        Half stress = half_add(half_load(trial + k), drop), most = half_load(left + k);
+        Half excess = half_larger(half_sub(stress, half_load(yield + k)), none);
+        Half shorter = half_mul(excess, by_growth); /* less the growth */
+        Half grown = half_sub(none, half_larger(shorter, most));
+        touching = half_add(touching, half_above(stress, none));
+        yielding = half_add(yielding, half_mul(half_above(excess, none), half_above(shorter, most)));
+        stress = half_sub(half_larger(stress, none), half_mul(half_splat(young), grown));
+        half_store(r->stress.at + k, stress);
+        half_store(r->grown.at + k, grown);
+        sum = half_add(sum, stress);
     }
-    return force;
+    *slope = area * steep * (half_total(touching) - softer * half_total(yielding));
+    return area * half_total(sum);
 }
 
-/* Return the nearest gap above or below a gap at which the slope of the force of `press_rods` changes,
+/* Return the nearest gap above or below a gap at which the slope of the force of `press_node` changes,
  * or `nearest` if that is nearer. */
-static double kink_of_rods(const Coating *c, int64_t node, const int64_t range[2],
-                           const double *offset, const Matrix *strain, double gap, int above,
-                           double nearest)
+static double kink_of_rods(const March *m, int64_t n, double gap, int above, double nearest)
 {
-    const double *plastic = strain->at + c->track.at[node] * strain->columns;
-    double young = c->young_modulus, h = c->hardening;
-    for (int64_t n = range[0]; n <= range[1]; n++) {
-        double p = plastic[wrapped(c, n)], yield = c->yield_stress + h * p;
-        double touch = c->limit * c->thickness - offset[n - range[0]] - p * c->thickness;
-        double worn = yield + (young + h) * larger(0.0, c->limit - p); /* stress if all yields */
-        double kinks[3] = {touch, touch - c->thickness * yield / young,
-                           touch - c->thickness * worn / young};
-        for (int k = 0; k < 3; k++)
-            if (kinks[k] > 0.0 && (above ? kinks[k] > gap : kinks[k] < gap))
-                nearest = above ? smaller(nearest, kinks[k]) : larger(nearest, kinks[k]);
+    const Coating *c = m->stage.coating;
+    const RodScratch *r = &m->scratch->rods;
+    double young = c->young_modulus;
+    int64_t row = n * r->trial.columns;
+    for (int64_t k = row; k <= row + r->range.at[2 * n + 1] - r->range.at[2 * n]; k++) {
+        double yield = r->yield.at[k], worn = yield - (young + c->hardening) * r->left.at[k];
+        double stresses[3] = {0.0, yield, worn}; /* at the kinks, without yielding */
+        for (int i = 0; i < 3; i++) {
+            double kink = (r->trial.at[k] - stresses[i]) * c->thickness / young;
+            if (kink > 0.0 && (above ? kink > gap : kink < gap))
+                nearest = above ? smaller(nearest, kink) : larger(nearest, kink);
+        }
     }
     return nearest;
 }
 
-/* Return the wall at a place in elements, less a closure, for the present field of the casing. */
-static double wall_near(const March *m, const Matrix *nodal, double place, double closed)
-{
-    const Casing *casing = m->stage.casing;
-    double weight[4];
-    int64_t e;
-    hermite_weights(&place, 0.0, (double)casing->nodes, casing->element_length, 1, 1, &e, weight);
-    double wall = hermite_value(nodal, e, weight, 1);
-    return m->stage.closure ? wall - closed * hermite_value(&m->stage.closure->share, e, weight, 1)
-                            : wall;
-}
-
-/* Find the rods under a node, and store the wall there relative to the wall at the node, both without
- * contact forces of this step. */
-static void place_rods(const March *m, int64_t n, double closed)
+/* Find the rods under a node, and store their stresses at the metal as if they did not yield, their
+ * yield stresses, and less what their plastic strains can still grow; the wall is that without contact
+ * forces of this step, and its shape near the node moves with the node. */
+static void place_rods(const March *m, int64_t n)
 {
     const Coating *c = m->stage.coating;
+    const Casing *casing = m->stage.casing;
     RodScratch *r = &m->scratch->rods;
-    const Matrix *nodal = &r->nodal;
-    int64_t *range = r->range.at + 2 * n;
-    double nodes = (double)m->stage.casing->nodes, place = position_of(m, n) + m->rotation.elements;
-    double *offset = r->offset.at + n * r->offset.columns;
-    rods_under(c, n, place / nodes, range);
-    double here = wall_near(m, nodal, place, closed);
-    for (int64_t k = range[0]; k <= range[1]; k++) {
-        double middle = nodes * ((double)wrapped(c, k) + 0.5) / (double)c->rods;
-        offset[k - range[0]] = m->stage.rotor->normal_part.at[n]
-                               * (wall_near(m, nodal, middle, closed) - here);
+    const double *plastic = m->state->strain.at + c->track.at[n] * m->state->strain.columns;
+    int64_t *range = r->range.at + 2 * n, row = n * r->trial.columns, width = r->weight.columns;
+    double nodes = (double)casing->nodes, rod = nodes / (double)c->rods, *place = r->place.at;
+    place[0] = position_of(m, n) + m->rotation.elements;
+    rods_under(c, n, place[0] / nodes, range);
+    int64_t count = range[1] - range[0] + 1;
+    for (int64_t k = 0; k < count; k++)
+        place[k + 1] = rod * ((double)(range[0] + k) + 0.5);
+    hermite_weights(place, 0.0, nodes, casing->element_length, count + 1, width, r->element.at,
+                    r->weight.at);
+    double here = hermite_value(&r->nodal, r->element.at[0], r->weight.at, width);
+    double part = m->stage.rotor->normal_part.at[n] / c->thickness;
+    for (int64_t k = 0; k < count; k++, row++) {
+        double wall = hermite_value(&r->nodal, r->element.at[k + 1], r->weight.at + k + 1, width);
+        double p = plastic[wrapped(c, range[0] + k)];
+        r->trial.at[row] = c->young_modulus * (c->limit - part * (wall - here) - p);
+        r->yield.at[row] = c->yield_stress + c->hardening * p;
+        r->left.at[row] = smaller(0.0, p - c->limit);
+    }
+    for (; row % HALF != 0; row++) { /* no rods */
+        r->trial.at[row] = -INFINITY;
+        r->yield.at[row] = r->left.at[row] = 0.0;
     }
     r->near.at[n] = 1;
 }
@@ -144,47 +136,63 @@ static double reach_of_rods(const March *m)
     double slope = 0.0, half = 0.0;
     for (int64_t i = 0; i < c->half.size; i++)
         half = larger(half, c->half.at[i]);
-    for (int64_t e = 0; casing->modes > 0 && e < casing->nodes; e++)
+    for (int64_t e = 0; e < casing->nodes; e++)
         slope = larger(slope, steepest(casing, e, &m->scratch->rods.nodal));
     slope *= casing->element_length * (double)casing->nodes / (2.0 * PI);
-    slope += c->steepest;
     return c->limit * c->thickness + slope * (half + 0.5) * 2.0 * PI / (double)c->rods;
 }
 
-/* Return the force of the rods under a node at a gap to the metal, see `press_rods`. */
-static double press_node(const March *m, int64_t n, double gap, double *slope, double *sums)
-{
-    const RodScratch *r = &m->scratch->rods;
-    return press_rods(m->stage.coating, n, r->range.at + 2 * n,
-                      r->offset.at + n * r->offset.columns, gap, &m->state->strain, slope, sums);
-}
-
-/* Find the nodes that touch the coating without contact forces of this step. Returns whether there
- * are any. */
-static int find_rods(const March *m, double closed)
+/* Find the nodes that touch the coating without contact forces of the step that ends at a time.
+ * Returns whether there are any. */
+static int find_rods(const March *m, double time)
 {
     const Casing *casing = m->stage.casing;
+    const Closure *closure = m->stage.closure;
     const Matrix *nodal = casing->modes > 0 ? &m->scratch->fields.nodal : &casing->radial.start;
     int touches = 0;
     RodScratch *r = &m->scratch->rods;
     const double *gap = m->scratch->fields.free_gap.at;
-    for (int64_t i = 0; i < 2 * nodal->columns; i++)
-        r->nodal.at[i] = nodal->at[i];
-    double reach = reach_of_rods(m), slope;
+    double rate, slope, closed = closure ? closure_at(closure, time, &rate) : 0.0;
+    for (int64_t i = 0; i <= casing->nodes; i++)
+        for (int64_t k = 0; k < 2; k++) {
+            double share = closure ? closure->share.at[k * closure->share.columns + i] : 0.0;
+            r->nodal.at[k * r->nodal.columns + i] = nodal->at[k * nodal->columns + i] - closed * share;
+        }
+    double reach = reach_of_rods(m);
     for (int64_t n = 0; n < r->near.size; n++) {
         r->near.at[n] = 0;
         m->scratch->rods.push.at[n] = 0.0;
         if (!(gap[n] < reach))
             continue;
-        place_rods(m, n, closed);
-        if (press_node(m, n, gap[n], &slope, NULL) > 0.0)
+        place_rods(m, n);
+        if (press_node(m, n, gap[n], &slope) > 0.0)
             r->near.at[n] = 2;
         touches |= r->near.at[n] == 2;
     }
     return touches;
 }
 
-/* Wear the rods under the nodes at their gaps after the step, and add to the sums of the coating. */
+/* Let the plastic strains of the rods under a node grow as `press_node` stored it, and add to the sums
+ * of the coating. */
+static void grow_strains(const March *m, int64_t n)
+{
+    const Coating *c = m->stage.coating;
+    const RodScratch *r = &m->scratch->rods;
+    const int64_t *range = r->range.at + 2 * n;
+    int64_t track = c->track.at[n];
+    double *plastic = m->state->strain.at + track * m->state->strain.columns;
+    double *sums = m->state->coating.at, volume = c->area.at[track] * c->thickness;
+    for (int64_t k = range[0]; k <= range[1]; k++) {
+        double *p = plastic + wrapped(c, k), stress = r->stress.at[k - range[0]];
+        double grown = r->grown.at[k - range[0]], after = *p + grown;
+        sums[REMOVED] += volume * grown;
+        sums[DISSIPATED] += volume * (c->yield_stress + 0.5 * c->hardening * (after + *p)) * grown;
+        sums[STORED] += 0.5 * volume * stress * stress / c->young_modulus;
+        *p = after;
+    }
+}
+
+/* Wear the rods under the nodes at their gaps after the step. */
 static void wear_rods(const March *m, const double *gap)
 {
     State *state = m->state;
@@ -192,34 +200,12 @@ static void wear_rods(const March *m, const double *gap)
     double slope, *push = m->scratch->rods.push.at;
     for (int64_t n = 0; n < r->near.size; n++)
         if (m->scratch->nodes.listed.at[n] && r->near.at[n]) {
-            push[n] = press_node(m, n, gap[n], &slope, state->coating.at);
+            push[n] = press_node(m, n, gap[n], &slope);
+            grow_strains(m, n);
             if (gap[n] > LEAST_GAP * m->stage.numbers->gap_scale) /* not at the metal */
                 push[n] = -m->scratch->nodes.force.at[DIRECTIONS * n + RADIAL];
             state->coating_impulse.at[n] += push[n] * m->stage.numbers->time_step;
         }
-}
-
-/* Solve linear equations with `count` right-hand sides, in place;
- * `system` has the matrix, then the right-hand sides, by row. Returns 0 if it is singular. */
-static int eliminate_rows(double *system, int64_t size, int64_t count)
-{
-    int64_t width = size + count;
-    for (int64_t k = 0; k < size; k++) {
-        double pivot = system[k * width + k]; /* near one or above: W has a positive diagonal */
-        if (!(fabs(pivot) > 1e-300))
-            return 0;
-        for (int64_t i = 0; i < size; i++) {
-            double ratio = system[i * width + k] / pivot;
-            if (i == k || ratio == 0.0)
-                continue;
-            for (int64_t j = k + 1; j < width; j++)
-                system[i * width + j] -= ratio * system[k * width + j];
-        }
-    }
-    for (int64_t k = 0; k < size; k++)
-        for (int64_t j = size; j < width; j++)
-            system[k * width + j] /= system[k * width + k];
-    return 1;
 }
 
 #endif

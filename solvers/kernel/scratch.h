@@ -148,7 +148,14 @@ typedef struct {
     Vector push;     /* force of the coating on each node [N] */
     IntVector near;  /* 1 for nodes whose rods are known, 2 for nodes that touch them */
     IntVector range; /* first and last rod under each node */
-    Matrix offset;   /* wall at each of these rods, less the wall at the node */
+    Vector place;    /* place of the node that was pressed last, then of these rods [elements] */
+    IntVector element; /* their elements */
+    Matrix weight;   /* Hermite weights there */
+    Matrix trial;    /* stress of each of these rods at the metal if it does not yield [Pa] */
+    Matrix yield;    /* its yield stress [Pa] */
+    Matrix left;     /* less what its plastic strain can still grow */
+    Vector stress;   /* stress of each rod under the node that was pressed last [Pa] */
+    Vector grown;    /* growth of its plastic strain */
     Matrix nodal;    /* nodal field of the wall without contact forces of this step */
 } RodScratch;
 
@@ -160,7 +167,6 @@ typedef struct {
     Vector open;   /* 1 if the place is a gap, 0 if the node touches the metal */
     Vector low;    /* kink below the place */
     Vector high;   /* kink above the place */
-    Matrix system; /* equations of an iteration */
 } PieceScratch;
 
 /* A speed that varies. */
@@ -309,7 +315,15 @@ static void lay_rods(Arena *a, const Stage *g, const State *state, RodScratch *s
     s->push = vector(a, tips);
     s->near = integers(a, tips);
     s->range = integers(a, 2 * tips);
-    s->offset = matrix(a, tips, under);
+    under = (under + HALF - 1) / HALF * HALF;
+    s->place = vector(a, under + 1);
+    s->element = integers(a, under + 1);
+    s->weight = matrix(a, HALF, under + 1);
+    s->trial = matrix(a, tips, under);
+    s->yield = matrix(a, tips, under);
+    s->left = matrix(a, tips, under);
+    s->stress = vector(a, under);
+    s->grown = vector(a, under);
     s->nodal = matrix(a, 2, tips > 0 ? g->casing->radial.start.columns : 0);
 }
 
@@ -321,7 +335,6 @@ static void lay_pieces(Arena *a, int64_t group, PieceScratch *s)
     s->open = vector(a, group);
     s->low = vector(a, group);
     s->high = vector(a, group);
-    s->system = matrix(a, group, group + 1);
 }
 
 static void lay_speed(Arena *a, const Stage *g, const State *state, SpeedScratch *s)

@@ -86,6 +86,24 @@ static void turn_by(double *direction, double angle)
     direction[1] = sin(angle) * x + cos(angle) * y;
 }
 
+/* Solve the equations of few nodes, in place; `system` has the matrix and the right-hand side by row.
+ * Returns 0 if they are singular. */
+static int eliminate_few(double *system, int64_t size)
+{
+    int64_t width = size + 1;
+    for (int64_t k = 0; k < size; k++) {
+        double pivot = system[k * width + k];
+        if (!(fabs(pivot) > 1e-300))
+            return 0;
+        for (int64_t i = 0; i < size; i++)
+            for (int64_t j = size; i != k && j >= k; j--)
+                system[i * width + j] -= system[i * width + k] / pivot * system[k * width + j];
+    }
+    for (int64_t k = 0; k < size; k++)
+        system[k * width + size] /= system[k * width + k];
+    return 1;
+}
+
 /* Solve the directions of sliding of few nodes by Newton's method with differences; a step after which
  * the angles are larger is halved. Returns the largest angle that remains. */
 static double solve_directions(const March *m, int64_t size)
@@ -127,7 +145,7 @@ static double solve_directions(const March *m, int64_t size)
                 system[k * (few + 1) + k] = 1.0;
             system[k * (few + 1) + few] = -across[k];
         }
-        if (!eliminate_rows(system, few, 1))
+        if (!eliminate_few(system, few))
             return INFINITY;
         for (int64_t k = 0; k < few; k++) {
             step[k] = system[k * (few + 1) + few];

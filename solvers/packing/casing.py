@@ -111,13 +111,9 @@ def pack_closure(closure: WallClosure | None) -> Struct | None:
 
 def pack_coating(problem: ContactProblem) -> Struct | None:
     """Return the coating; None if the wall has none."""
-    coating, closure, casing = problem.coating, problem.closure, problem.casing
+    coating = problem.coating
     if coating is None:
         return None
-    # The kernel computes the slope of a flexible casing itself.
-    steepest = 0.0 if casing.is_flexible else float(np.abs(casing.clearance[:, 1]).max())
-    if closure is not None:
-        steepest += abs(closure.course.largest) * float(np.abs(closure.share[:, 1]).max())
     names = ("thickness", "young_modulus", "yield_stress", "hardening", "limit")
     return Struct(
         "Coating",
@@ -125,7 +121,6 @@ def pack_coating(problem: ContactProblem) -> Struct | None:
         track=np.tile(coating.track, problem.rotor.copies),
         area=coating.arc * coating.width,
         rods=coating.strain.shape[1],
-        steepest=steepest * casing.radius,
         **{name: getattr(coating, name) for name in names},
     )
 
