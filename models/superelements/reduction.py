@@ -27,6 +27,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.structure.rotating import Rotating
+from bladewhirl.models.superelements.diameters import turned_to_diameters
 from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
@@ -150,6 +151,7 @@ def massless(
     loads = load_columns(part, dense(rows).T)
     squares, shapes, moved = modes_and_static(part, modes, loads)
     check_count(len(squares), modes)
+    shapes = turned_to_diameters(squares, shapes, rows @ shapes, part.contact_angle)
     elastic = np.abs(squares) > rigid_limit(part)
     kept = rows @ shapes[:, elastic]
     compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
@@ -249,6 +251,7 @@ def consistent(
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
     shapes, elastic = basis @ vectors, squares > rigid_limit(part)
+    shapes = turned_to_diameters(squares, shapes, part.contact_rows @ shapes, part.contact_angle)
     # Contact forces act on modes only; the boundary moves as in these under any static load.
     still, loads = np.zeros((part.size, 3 * part.contacts)), part.loads
     rest = np.zeros(loads.shape)

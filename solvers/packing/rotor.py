@@ -4,8 +4,9 @@ each copy. Arrays for the coupling of its modes by Coriolis forces and damping."
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import nodal_diameter_of, real_dft
+from bladewhirl.models.elements.cyclic import real_dft
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
+from bladewhirl.models.superelements.diameters import blade_numbers, by_diameter
 from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
@@ -38,8 +39,6 @@ DIRECTIONS = 3
 BladeColumns = tuple[int, IntArray]
 """Number of equal blades, and the DFT column over these blades of each mode, (modes,)."""
 
-SAME = 1e-9  #: angles that differ by less are the same [rad]
-
 
 def blade_columns(rotor: ReducedRotor) -> BladeColumns | None:
     """Return the DFT columns over the blades, with which harmonics are treated separately; None if
@@ -54,22 +53,14 @@ def blade_columns(rotor: ReducedRotor) -> BladeColumns | None:
         return tips, rotor.column
     if rotor.nodes is None or rotor.copies > 1:
         return None
-    for blades in range(min(tips, modes - 1), 2, -1):
-        if tips % blades:
+    for blades in blade_numbers(rotor.tip_angle):
+        if blades >= modes:
             continue
-        apart = rotor.tip_angle.reshape(blades, -1) - rotor.tip_angle[: tips // blades]
-        apart -= 2.0 * np.pi / blades * np.arange(blades)[:, None]
-        if not np.abs(np.exp(1j * apart) - 1.0).max() < SAME:
-            continue
-        basis, moved = real_dft(blades), rotor.contact.reshape(blades, -1, modes)
-        parts = np.einsum("bc,bim->cim", basis, moved)
-        of_column = np.array([nodal_diameter_of(each) for each in range(blades)])
-        power = np.zeros((blades // 2 + 1, modes))
-        np.add.at(power, of_column, (parts**2).sum(axis=1))
-        diameter = power.argmax(axis=0)
+        parts, of_column, diameter = by_diameter(rotor.contact, blades)
         others = parts * (of_column[:, None] != diameter)[:, None]
-        left = np.abs(np.einsum("bc,cim->bim", basis, others)).max(axis=(0, 2))
-        if not (left <= 0.5 * FIT * np.abs(moved).max(axis=(0, 2))).all():
+        left, moved = (np.einsum("bc,cim->bim", real_dft(blades), each) for each in (others, parts))
+        left, moved = (np.abs(each).max(axis=(0, 2)) for each in (left, moved))
+        if not (left <= 0.5 * FIT * moved).all():
             continue
         column = np.maximum(2 * diameter - 1, 0)
         for k in range(1, (blades + 1) // 2):
