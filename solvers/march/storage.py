@@ -2,7 +2,10 @@
 file.
 
 `GuardedFile` writes nothing more to the disk after the first failed write, and stores the error for
-`check`. `CutFile` reports a larger size than the file has, so that the existing part can be read.
+`check`. Data that were on the disk at the last `check` change only in the next one, the header of
+the file first: a process that is killed between both leaves the earlier state, with data at the end
+that nothing refers to. `CutFile` reports a larger size than the file has, so that the existing part
+can be read.
 """
 
 import io
@@ -16,8 +19,12 @@ SMALL = 4096
 """Largest read of internal structures of HDF5 [bytes]; such a read may extend beyond the end."""
 
 
+HEADER = 96  #: size of the header of HDF5, which has the size of the file [bytes]
+
+
 class GuardedFile(io.RawIOBase):
-    """New file that keeps all data of a failed write and of later writes in memory.
+    """New file that keeps all data of a failed write and of later writes in memory, and changes of
+    existing data until `check`.
 
     Raises:
         OSError: the file cannot be created.
@@ -27,6 +34,7 @@ class GuardedFile(io.RawIOBase):
         super().__init__()
         self._file = open(path, "w+b", buffering=0)  # closed in `close`
         self._at, self._end = 0, 0
+        self._settled = 0  # size of the file at the last check
         self._kept: list[tuple[int, bytes]] = []
         self.refusal: OSError | None = None  #: error of the first failed write, if any
 
@@ -56,21 +64,38 @@ class GuardedFile(io.RawIOBase):
         return len(view)
 
     def write(self, data: Any) -> int:
-        """Write all data to the file or, after a failed write, to memory."""
+        """Write data beyond the size at the last check to the file; keep the other data in memory,
+        after a failed write all."""
         view = memoryview(data).cast("B")
+        old = max(0, min(self._settled - self._at, len(view)))
+        if old:
+            self._kept.append((self._at, bytes(view[:old])))
+        if old < len(view):
+            self._put(self._at + old, view[old:])
+        self._at += len(view)
+        self._end = max(self._end, self._at)
+        return len(view)
+
+    def _put(self, start: int, view: memoryview) -> None:
+        """Write data to the file, or after a failed write to memory."""
         try:
             if self.refusal is None:
-                self._file.seek(self._at)
+                self._file.seek(start)
                 written = 0
                 while written < len(view):
                     written += self._file.write(view[written:])
         except OSError as error:
             self.refusal = error
         if self.refusal is not None:
-            self._kept.append((self._at, bytes(view)))
-        self._at += len(view)
-        self._end = max(self._end, self._at)
-        return len(view)
+            self._kept.append((start, bytes(view)))
+
+    def _settle(self) -> None:
+        """Write the changes of existing data, those of the header first."""
+        if self.refusal is None:
+            changes, self._kept = self._kept, []
+            for start, content in sorted(changes, key=lambda change: change[0] >= HEADER):
+                self._put(start, memoryview(content))
+            self._settled = self._end
 
     def truncate(self, size: int | None = None) -> int:
         """Set the size of the file."""
@@ -83,16 +108,19 @@ class GuardedFile(io.RawIOBase):
         return self._end
 
     def close(self) -> None:
-        """Close the file."""
+        """Write the changes of existing data, and close the file."""
+        if not self.closed:
+            self._settle()
         self._file.close()
         super().close()
 
     def check(self) -> None:
-        """Raise the error of the first failed write, if any.
+        """Write the changes of existing data; raise the error of the first failed write, if any.
 
         Raises:
             OSError: a write failed.
         """
+        self._settle()
         if self.refusal is not None:
             raise self.refusal
 

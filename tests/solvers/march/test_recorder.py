@@ -26,6 +26,7 @@ from bladewhirl.solvers.march.recorder import (
     result_bytes,
 )
 from bladewhirl.solvers.march.schema import COATING, HISTORY, NAMES, RESULT, STAGE
+from bladewhirl.solvers.march.storage import GuardedFile
 
 SMALL = {
     "bladed_disk.blades": 5,
@@ -190,3 +191,22 @@ def test_the_size_of_a_result_is_foretold(
         stage, Timing(time_step=1.0, record_step=1.0, duration=chunk * chunks - 1.0), None
     )
     assert path.stat().st_size == pytest.approx(messages, rel=tolerance)
+
+
+def test_what_a_file_contained_changes_only_at_the_next_check(tmp_path: Path) -> None:
+    """Data at the end reach the disk at once; changes of earlier data, among them the header, are
+    seen in the file object, but not on the disk before `check`."""
+    path = tmp_path / "file"
+    file = GuardedFile(path)
+    file.write(b"a" * 300)
+    file.check()
+    for place, content in ((200, b"new" + b"a" * 97 + b"end"), (0, b"head")):
+        file.seek(place)
+        file.write(content)
+    assert path.read_bytes() == b"a" * 300 + b"end"
+    seen = bytearray(303)
+    file.seek(0)
+    file.readinto(seen)
+    file.check()
+    assert path.read_bytes() == bytes(seen) == b"head" + b"a" * 196 + b"new" + b"a" * 97 + b"end"
+    file.close()
