@@ -19,6 +19,7 @@ from bladewhirl.models.case.excitation import (
     Imbalance,
 )
 from bladewhirl.models.case.sensors import sensor_faults
+from bladewhirl.models.case.shaft_line import line_faults
 from bladewhirl.models.case.superelement_rules import superelement_faults
 from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.errors import CaseError, shown
@@ -59,6 +60,7 @@ class Case(Tables):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield contradictions between values of different tables."""
+        yield from line_faults(self)
         elements = self.casing.elements
         for key, load in self.excitations.items():
             if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:

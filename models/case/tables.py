@@ -12,6 +12,7 @@ from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import Excitation, ExcitationTable, NoExcitation
 from bladewhirl.models.case.sensors import SensorRows
 from bladewhirl.models.case.shaft import Rotation, Shaft
+from bladewhirl.models.case.shaft_line import Gravity, ShaftLine
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.case.superelement import with_defaults
 from bladewhirl.models.inputs.table import ReplacedKeys
@@ -40,6 +41,12 @@ class Tables(ReplacedKeys):
         default=None, examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"]
     )
     """A bladed disk drawn in Python, in place of [bladed_disk]."""
+    shaft_line: ShaftLine | None = Field(
+        default=None, examples=["{ segments = [...], disks = [...], bearings = [...] }"]
+    )
+    """A flexible shaft with disks and bearings, in place of [bladed_disk] and [shaft]."""
+    gravity: Gravity | None = Field(default=None, examples=["{ acceleration = [0.0, -9.81] }"])
+    """Gravity on a shaft line."""
     coupling: Coupling = Coupling()
     march: March = March()
     blade_loss: BladeLoss | None = Field(

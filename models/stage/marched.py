@@ -19,6 +19,7 @@ from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.critical_speeds import lowest_critical_speeds
+from bladewhirl.models.shaft_line.line import refuse_line
 from bladewhirl.models.stage.blade_loss import loss_faults
 from bladewhirl.models.stage.blade_stiffness import TunedRotor, tuned_beams, tuned_sectors
 from bladewhirl.models.stage.build import contact_problem
@@ -270,6 +271,7 @@ def marched_stage(given: Marchable) -> MarchedStage:
     if isinstance(given, MarchedStage):
         return given
     if isinstance(given, Case):
+        refuse_line(given)
         beams = given.bladed_disk.superelement is None
         given = build_stage(given) if beams else superelement_stage(given)
     return MarchedBeams(given) if isinstance(given, Stage) else MarchedNodes(given)

@@ -6,6 +6,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.modal_model import FAMILIES, ModalModel
+from bladewhirl.models.shaft_line.line import refuse_line
 
 if TYPE_CHECKING:
     from bladewhirl.models.stage.marched import Marchable
@@ -29,6 +30,7 @@ def modal_model(
     if isinstance(given, ModalModel):
         return given
     case = given if isinstance(given, Case) else given.case
+    refuse_line(case)
     if case.bladed_disk.superelement is None:
         return modal_stage(case)
     from bladewhirl.models.stage.modal_superelement import modal_superelement  # long to load

@@ -29,8 +29,8 @@ def verify(
     All subjects, the default, take about two minutes. The exit code is 1 if any case fails.
 
     Args:
-        subjects: modes, rings, contact, march, results, stability, rotation, whirl, speed, forced,
-            sensors, coating, foreshortening, superelement or periodic.
+        subjects: modes, rings, contact, march, results, stability, rotation, whirl, shaft, speed,
+            forced, sensors, coating, foreshortening, superelement or periodic.
         full: Include the cases that take long.
         markdown: Print the table as Markdown.
         html: Also write the table as a page.

@@ -13,6 +13,8 @@ from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import emit, name_written, progress_bar, reduction_bar
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from bladewhirl.models.modal.modal_model import ModalModel
     from bladewhirl.studies.modal.study import Study
 
@@ -66,6 +68,10 @@ def modes(
     """
     from bladewhirl.studies.modal import modes as study
 
+    given = {"--shapes": shapes, "--animate": animate, "--wave": wave, "--contact": contact or None}
+    if found := _of_line(case, overrides, given, "modes", count=count):
+        present(found, case, output, overwrite=overwrite, json=json, unnamed=output is None)
+        return
     for name, value in {"--shapes": shapes, "--animate": animate, "--wave": wave}.items():
         if output is None and value is not None:
             raise UserError(f"{name}: needs a folder for the pictures, -o DIR")
@@ -132,6 +138,12 @@ def campbell(
     from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.studies.modal import campbell as study
 
+    given = {"--operating": operating, "--orders": orders, "--html": html}
+    if found := _of_line(
+        case, overrides, given, "campbell", speeds=speeds.values, families=families
+    ):
+        present(found, case, output, overwrite=overwrite, json=json)
+        return
     if html is not None:
         checked_target(html, ".html")
     stage = _model(case, overrides, families=families)
@@ -200,6 +212,10 @@ def critical_speeds(
     """
     from bladewhirl.studies.modal import critical_speeds as study
 
+    given = {"--stiffnesses": stiffnesses}
+    if found := _of_line(case, overrides, given, "critical_speeds", branches=branches):
+        present(found, case, output, overwrite=overwrite, json=json)
+        return
     interval = None if stiffnesses is None else stiffnesses.values()
     computed = study.report(_model(case, overrides), branches, interval)
     present(computed, case, output, overwrite=overwrite, json=json)
@@ -232,6 +248,9 @@ def response(
     from bladewhirl.models.stage.marched import marched_stage
     from bladewhirl.studies.modal import response as study
 
+    if line := _of_line(case, overrides, {"--draws": draws}, "response", speeds=speeds.values):
+        present(line, case, output, overwrite=overwrite, json=json)
+        return
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
         stage = marched_stage(read)
         multiples = speeds.values(stage.reference_frequency).tolist()
@@ -322,6 +341,32 @@ def stability(
     present(computed, case, output, overwrite=overwrite, json=json)
 
 
+def _of_line(
+    case: Path,
+    overrides: list[str] | None,
+    given: Mapping[str, object],
+    name: str,
+    **arguments: Any,
+) -> Study | None:
+    """Return a study of the shaft line of a case file with changes; None if it has a bladed disk.
+
+    Args:
+        case: case file.
+        overrides: changes.
+        given: options that a shaft line does not have, by name.
+        name: function of `studies.shaft_line.reports`.
+        arguments: its arguments.
+    """
+    with options.case_of(case, overrides) as read:
+        if read.shaft_line is None:
+            return None
+        from bladewhirl.studies.shaft_line import reports
+
+        options.omitted("[shaft_line]", given)
+        study: Study = getattr(reports, name)(read, **arguments)
+        return study
+
+
 def _whole_numbers(name: str, given: str | None) -> tuple[int, ...]:
     """Return the positive whole numbers of a list with commas."""
     words = [] if given is None else given.replace(",", " ").split()
@@ -343,10 +388,18 @@ def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalMode
     return model
 
 
-def present(study: Study, case: Path, output: Path | None, *, overwrite: bool, json: bool) -> None:
+def present(
+    study: Study,
+    case: Path,
+    output: Path | None,
+    *,
+    overwrite: bool,
+    json: bool,
+    unnamed: bool = False,
+) -> None:
     """Draw the figures of a study into the folder that the user named, or into CASE-COMMAND if
-    nothing else is written; print the tables or the JSON document."""
-    unnamed = json or study.figures is None or study.page is not None
+    nothing else is written and `unnamed` is false; print the tables or the JSON document."""
+    unnamed = unnamed or json or study.figures is None or study.page is not None
     folder = output if output is not None or unnamed else Path(f"{case.stem}-{study.name}")
     if folder is not None:
         study.draw(folder, overwrite=overwrite)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from bladewhirl.meshes.line_mesh import IntArray
+    from bladewhirl.models.case.case import Case
     from bladewhirl.models.stage.stage import Stage
     from bladewhirl.models.stage.superelement_stage import SuperelementStage
 
@@ -127,13 +128,18 @@ def show(
         png: Draw the stage: parts, sets, springs, supports.
         output: File of the drawing; by default the name of the case with .png.
     """
-    from bladewhirl.models.case.template import dumps_case
     from bladewhirl.models.stage.marched import marched_stage
     from bladewhirl.studies.runs.properties import speed_hint
 
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
     with options.case_of(case, overrides) as checked:
+        if checked.shaft_line is not None:
+            from bladewhirl.studies.shaft_line.properties import properties
+
+            options.omitted("[shaft_line]", {"--png": png or None})
+            emit(*_document(checked, *properties(checked), with_case=with_case), json=json)
+            return
         with reduction_bar():
             stage = marched_stage(checked)
         lines = stage.arrays.rotor_line.size > 0
@@ -150,9 +156,18 @@ def show(
             with writing(target):
                 draw_stage(at_rest, target, node_sets=node_sets)
             typer.echo(f"Wrote {target}.", err=True)
-    document = {"case": checked.model_dump(mode="json", exclude_none=True), "derived": derived}
-    full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
-    emit(document, *tables, *full, json=json)
+    emit(*_document(checked, derived, tables, with_case=with_case), json=json)
+
+
+def _document(
+    case: Case, derived: dict[str, Any], tables: list[Table], *, with_case: bool
+) -> tuple[Any, ...]:
+    """Return the JSON document, then what is printed."""
+    from bladewhirl.models.case.template import dumps_case
+
+    document = {"case": case.model_dump(mode="json", exclude_none=True), "derived": derived}
+    full = (f"\n{dumps_case(case)}".removesuffix("\n"),) if with_case else ()
+    return document, *tables, *full
 
 
 def _of_superelement(stage: SuperelementStage) -> Shown:

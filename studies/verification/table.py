@@ -18,6 +18,7 @@ SUBJECTS = {
     "stability": "Parametric stability",
     "rotation": "Effects of rotation",
     "whirl": "Marches with Coriolis forces",
+    "shaft": "Shaft lines",
     "speed": "Speed that varies",
     "forced": "Engine-order forces",
     "sensors": "Sensors",

@@ -1,0 +1,242 @@
+"""The `[shaft_line]` and `[gravity]` tables of a case: a flexible shaft with disks and bearings."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, StrictStr
+
+from bladewhirl.models.inputs import fields
+from bladewhirl.models.inputs.table import Inconsistency, Table
+
+Coordinate = Annotated[float, fields.quantity("m", "any")]
+Pair = tuple[float, float]
+Matrix2 = tuple[Pair, Pair]
+
+
+def _matrix(unit: str) -> BeforeValidator:
+    """Return a validator of 2 x 2 matrices, or of one number for equal and uncoupled axes."""
+    entry = fields.quantity(unit, "any")
+    phrase = f"one number in {unit}, or two rows of two numbers, [[xx, xy], [yx, yy]]"
+
+    def validate(value: Any) -> Matrix2:
+        if not isinstance(value, list | tuple):
+            number = fields.converted(entry, value)
+            return (number, 0.0), (0.0, number)
+        rows = [
+            fields.listed(row, phrase, least=2) for row in fields.listed(value, phrase, least=2)
+        ]
+        if [len(row) for row in rows] != [2, 2]:
+            raise fields.expectation(phrase)
+        (xx, xy), (yx, yy) = ([fields.converted(entry, each) for each in row] for row in rows)
+        return (xx, xy), (yx, yy)
+
+    return BeforeValidator(validate)
+
+
+StiffnessMatrix = Annotated[Matrix2, _matrix("N/m")]
+DampingMatrix = Annotated[Matrix2, _matrix("N s/m")]
+TiltMatrix = Annotated[Matrix2, _matrix("N m")]
+NONE: Matrix2 = ((0.0, 0.0), (0.0, 0.0))
+
+
+class Segment(Table):
+    """A round segment of the shaft, with a constant or a linearly varying diameter."""
+
+    length: fields.Length
+    """Length [m]."""
+    outer_diameter: fields.Length
+    """Outer diameter, at the left end [m]."""
+    end_outer_diameter: fields.Length | None = Field(default=None, examples=['"40 mm"'])
+    """Outer diameter at the right end [m], if different."""
+    inner_diameter: fields.LengthOrZero = 0.0
+    """Diameter of the bore [m]."""
+    elements: Annotated[int, fields.count(1)] = 2
+    """Number of elements. More nodes are added where disks, bearings and unbalances are."""
+    material: StrictStr | None = None
+    """Name in material.named; the material of the case by default."""
+    shear_coefficient: Annotated[float, fields.number("positive")] | None = Field(
+        default=None, examples=["0.886"]
+    )
+    """Share of the area that carries shear; by default that of Cowper (1966) for the diameters at
+    the middle of the segment and poisson_ratio."""
+    poisson_ratio: Annotated[float, fields.number("not negative")] = 0.3
+    """Poisson's ratio, from which the shear modulus E / (2 + 2 nu) follows."""
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error for a bore that is wider than the segment, or an impossible ratio."""
+        smallest = min(self.outer_diameter, self.end_outer_diameter or self.outer_diameter)
+        if not self.inner_diameter < smallest:
+            expected = f"less than the outer diameter, {smallest:.6g} m"
+            yield Inconsistency("inner_diameter", expected, ("outer_diameter",))
+        if not self.poisson_ratio < 0.5:
+            yield Inconsistency("poisson_ratio", "less than 0.5")
+
+
+class RigidDisk(Table):
+    """A rigid disk on the shaft, which tilts with it."""
+
+    position: Coordinate
+    """Position along z [m]."""
+    mass: Annotated[float, fields.quantity("kg")]
+    """Mass [kg]."""
+    polar_inertia: fields.Inertia
+    """Moment of inertia about the axis of the shaft [kg m2]."""
+    diametral_inertia: fields.Inertia
+    """Moment of inertia about a diameter through the centre of mass [kg m2]."""
+    offset: Coordinate = 0.0
+    """Position of the centre of mass along z, relative to `position` [m]."""
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error for inertias that no body has."""
+        if self.polar_inertia > 2.0 * self.diametral_inertia * (1.0 + 1e-9):
+            expected = f"at most twice diametral_inertia = {self.diametral_inertia:g} kg m2"
+            yield Inconsistency("polar_inertia", expected, ("diametral_inertia",))
+
+
+class BearingSupport(Table):
+    """A mass between a bearing and the ground, on springs and dampers of its own."""
+
+    mass: Annotated[float, fields.quantity("kg")]
+    """Mass [kg]."""
+    stiffness: StiffnessMatrix
+    """Stiffness to the ground along x and y [N/m], one number or [[kxx, kxy], [kyx, kyy]]."""
+    damping: DampingMatrix = NONE
+    """Damping to the ground along x and y [N s/m], as stiffness."""
+
+
+class Bearing(Table):
+    """A bearing: springs and dampers in static axes, between the shaft and ground or support."""
+
+    name: StrictStr = ""
+    """Name in tables and figures; by default the number of the bearing."""
+    position: Coordinate
+    """Position along z [m]."""
+    stiffness: StiffnessMatrix
+    """Stiffness along x and y [N/m]: one number, or [[kxx, kxy], [kyx, kyy]] with the forces
+    -kxx x - kxy y along x; kxy - kyx > 0 drives forward whirl."""
+    damping: DampingMatrix = NONE
+    """Damping along x and y [N s/m], as stiffness."""
+    tilt_stiffness: TiltMatrix = NONE
+    """Stiffness against the slopes of the shaft in the planes of x and y [N m], as stiffness."""
+    support: BearingSupport | None = Field(
+        default=None, examples=['{ mass = "20 kg", stiffness = "50 MN/m" }']
+    )
+    """Mass between bearing and ground: { mass = "20 kg", stiffness = "50 MN/m", damping = 0 }."""
+
+
+class Unbalance(Table):
+    """An unbalance in one plane of the shaft."""
+
+    position: Coordinate
+    """Position along z [m]."""
+    unbalance: Annotated[float, fields.quantity("kg m", "not negative")] = 0.0
+    """Mass times its distance from the axis [kg m]."""
+    phase: fields.Angle = 0.0
+    """Angle of the mass from the x axis of the shaft [rad]."""
+    couple: fields.Inertia = 0.0
+    """Product of inertia: sum of mass, distance from the axis and position along z relative to
+    `position` [kg m2]; a disk that is mounted askew by the angle a has (I_t - I_p) a."""
+    couple_phase: fields.Angle = 0.0
+    """Angle of the couple from the x axis of the shaft [rad]."""
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error for a row without unbalance."""
+        if not (self.unbalance or self.couple):
+            yield Inconsistency("unbalance", "more than 0 for this key or for couple", ("couple",))
+
+
+class ShaftLine(Table):
+    """A flexible shaft along z with rigid disks, bearings, supports and unbalances, in place of
+    [bladed_disk] and [shaft]. It has modes, critical speeds, a Campbell diagram, the response to
+    unbalances and sag; without a bladed wheel it has no rub."""
+
+    segments: Annotated[
+        tuple[Segment, ...],
+        fields.rows('{ length = "200 mm", outer_diameter = "50 mm", elements = 2 }'),
+    ]
+    """Segments from the left end, rows of { length = "200 mm", outer_diameter = "50 mm",
+    inner_diameter = 0, elements = 2, material = "steel", shear_coefficient = 0.886 }; a diameter
+    that varies has end_outer_diameter."""
+    start: Coordinate = 0.0
+    """Position of the left end along z [m]."""
+    disks: Annotated[
+        tuple[RigidDisk, ...],
+        fields.rows(
+            '{ position = "0.5 m", mass = "20 kg", polar_inertia = "0.3 kg m2",'
+            ' diametral_inertia = "0.16 kg m2" }'
+        ),
+    ] = ()
+    """Rigid disks, rows of { position = "0.5 m", mass = "20 kg", polar_inertia = "0.3 kg m2",
+    diametral_inertia = "0.16 kg m2", offset = 0 }."""
+    bearings: Annotated[
+        tuple[Bearing, ...],
+        fields.rows('{ position = "1 m", stiffness = "10 MN/m", damping = "1 kN s/m" }'),
+    ]
+    """Bearings, rows of { name = "rear", position = "1 m", stiffness = "10 MN/m", damping = "1 kN
+    s/m" } in static axes; unequal ones have stiffness = [[kxx, kxy], [kyx, kyy]]; support = {
+    mass = "20 kg", stiffness = "50 MN/m" } is a mass between bearing and ground."""
+    unbalance: Annotated[
+        tuple[Unbalance, ...], fields.rows('{ position = "0.5 m", unbalance = "100 g mm" }')
+    ] = ()
+    """Unbalances, rows of { position = "0.5 m", unbalance = "100 g mm", phase = "30 deg" }."""
+    loss_time: fields.TimeOrZero = 0.0
+    """Internal damping of the shaft, with the stress E (strain + loss_time d strain / dt) [s]. It
+    acts in rotating axes, and destabilises forward whirl above its critical speed."""
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield an error for a missing part, and for parts that are not on the shaft."""
+        for key in ("segments", "bearings"):
+            if not getattr(self, key):
+                yield Inconsistency(key, "at least one row")
+        end = self.start + sum(segment.length for segment in self.segments)
+        for key in ("disks", "bearings", "unbalance"):
+            for number, row in enumerate(getattr(self, key)):
+                slack = 1e-9 * (end - self.start)
+                if not self.start - slack <= row.position <= end + slack:
+                    expected = f"a position on the shaft, from {self.start:g} m to {end:g} m"
+                    yield Inconsistency(f"{key}.{number}.position", expected, ("segments",))
+
+    @property
+    def positions(self) -> tuple[float, ...]:
+        """Positions of disks, bearings and unbalances [m]."""
+        rows: tuple[RigidDisk | Bearing | Unbalance, ...]
+        rows = (*self.disks, *self.bearings, *self.unbalance)
+        return tuple(each.position for each in rows)
+
+    def named(self) -> tuple[str, ...]:
+        """Return the names of the bearings; those without a name have their number, from 1."""
+        return tuple(each.name or str(n) for n, each in enumerate(self.bearings, start=1))
+
+
+USED = ("title", "material", "shaft_line", "gravity", "march")
+"""Tables of a case with a shaft line; of [march] only the speed."""
+
+
+def line_faults(case: Table) -> Iterator[Inconsistency]:
+    """Yield the tables and keys that have no effect in a case with or without a shaft line."""
+    given = {
+        name: value
+        for name, field in type(case).model_fields.items()
+        if (value := getattr(case, name)) != field.default
+    }
+    if "shaft_line" not in given:
+        if "gravity" in given:
+            yield Inconsistency("gravity", "not allowed without [shaft_line]; remove this table")
+        return
+    others = [name for name in given if name not in USED]
+    march = given["march"].model_dump(exclude_defaults=True) if "march" in given else {}
+    others += [f"march.{name}" for name in march if name != "speed"]
+    for name in others:
+        part = "key" if "." in name else "table"
+        expected = f"not allowed together with [shaft_line]; remove this {part}"
+        yield Inconsistency(name, expected, ("shaft_line",))
+
+
+class Gravity(Table):
+    """Gravity on a shaft line."""
+
+    acceleration: tuple[
+        Annotated[float, fields.quantity("m/s2", "any")],
+        Annotated[float, fields.quantity("m/s2", "any")],
+    ] = (0.0, -9.81)
+    """Acceleration along x and y of static axes [m/s2]."""

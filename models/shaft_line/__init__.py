@@ -1,0 +1,1 @@
+"""A flexible shaft with disks and bearings: its matrices, whirl, critical speeds and responses."""

@@ -1,0 +1,46 @@
+"""Unbalance response of a shaft line: amplitude and phase over the speed."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.plotting.style import COLUMN_WIDTH, LINES, new_figure, styled
+
+DECADES = 1e4  #: largest ratio of drawn amplitudes
+
+
+def drawn_response(data: xr.Dataset, places: FloatArray) -> xr.Dataset:
+    """Return what `plot_line_response` draws at some positions [m]: `amplitude` [m] and the `phase`
+    of x relative to the x axis of the shaft [rad], from `bladewhirl.line_response`."""
+    own = data.sel(position=places, method="nearest")
+    phase = np.unwrap(np.angle(own["x"].values), axis=0)
+    drawn = own[["amplitude", "bearing_force"]]
+    return drawn.assign(phase=(own["x"].dims, phase, {"units": "rad"}))
+
+
+@styled
+def plot_line_response(data: xr.Dataset) -> Figure:
+    """Draw amplitude and phase at some positions from `drawn_response`, and bearing forces."""
+    figure = new_figure(width=1.3 * COLUMN_WIDTH, height=0.125)
+    panels = figure.subplots(3, 1, sharex=True, height_ratios=[3, 2, 3])
+    rpm, amplitude = data["speed"].values, data["amplitude"].values
+    unit, scale = handy_unit(float(amplitude.max()), "m")
+    of_force, by = handy_unit(float(data["bearing_force"].max()), "N")
+    for n, place in enumerate(data["position"].values):
+        colour = LINES[n % len(LINES)]
+        panels[0].plot(rpm, scale * amplitude[:, n], color=colour, label=f"{place:.4g} m")
+        panels[1].plot(rpm, np.degrees(data["phase"].values[:, n]), color=colour)
+    for n, name in enumerate(data["bearing"].values):
+        force = by * data["bearing_force"].values[:, n]
+        panels[2].plot(rpm, force, color=LINES[n % len(LINES)], label=f"bearing {name}")
+    for axes, drawn in ((panels[0], amplitude * scale), (panels[2], data["bearing_force"] * by)):
+        axes.set_yscale("log")
+        axes.set_ylim(bottom=max(float(np.min(drawn)), float(np.max(drawn)) / DECADES))
+        axes.legend(fontsize="small")
+    panels[0].set_ylabel(f"amplitude [{unit}]")
+    panels[1].set_ylabel("phase of x [°]")
+    panels[2].set_ylabel(f"force [{of_force}]")
+    panels[2].set_xlabel("speed [rpm]")
+    return figure

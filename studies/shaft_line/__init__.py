@@ -1,0 +1,1 @@
+"""Modal studies of a shaft line."""

@@ -1,0 +1,48 @@
+"""Studies of a shaft line as the commands `modes`, `campbell`, `critical-speeds` and `response`
+print and draw them."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.shaft_line.line import line_model
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.shaft_line import critical_speeds as speeds_of
+from bladewhirl.studies.shaft_line import modes as modes_of
+from bladewhirl.studies.shaft_line import unbalance as unbalance_of
+
+POINTS = 101  #: number of speeds of a Campbell diagram
+
+Values = Callable[[float], FloatArray]
+"""Function that returns speeds as multiples of a reference frequency [rad/s]."""
+
+
+def modes(case: Case, *, count: int) -> Study:
+    """Return the modes at the speed of the case."""
+    return modes_of.report(modes_of.line_modes(case, count=count))
+
+
+def critical_speeds(case: Case, *, branches: int) -> Study:
+    """Return the critical speeds of modes that are `branches` pairs at rest."""
+    computed = speeds_of.line_critical_speeds(case, count=2 * branches)
+    return speeds_of.critical_report(computed)
+
+
+def campbell(case: Case, *, speeds: Values, families: int) -> Study:
+    """Return the Campbell diagram between two speeds, of modes that are `families` pairs at
+    rest."""
+    reference = line_model(case).reference_frequency
+    first, last = speeds(reference) * reference
+    omegas = np.linspace(first, last, POINTS)
+    diagram = speeds_of.line_campbell(case, speeds=omegas, count=2 * families)
+    critical = speeds_of.line_critical_speeds(case, count=2 * families)
+    return speeds_of.campbell_report(diagram, critical)
+
+
+def response(case: Case, *, speeds: Values) -> Study:
+    """Return the response to the unbalances of the case at many speeds."""
+    reference = line_model(case).reference_frequency
+    omegas = speeds(reference) * reference
+    return unbalance_of.report(unbalance_of.line_response(case, speeds=omegas))

@@ -1,0 +1,139 @@
+"""Shaft lines compared with published rotors, and with the rotor of another program."""
+
+from typing import Any
+
+import numpy as np
+
+from bladewhirl.models.case.case import case_from
+from bladewhirl.models.shaft_line.line import LineModel, line_model
+from bladewhirl.models.shaft_line.whirl import line_modes, unbalance_response
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
+
+RPM = np.pi / 30.0
+
+FRISWELL: dict[str, Any] = {"young_modulus": 211e9, "density": 7810.0}
+LALANNE: dict[str, Any] = {"young_modulus": 200e9, "density": 7800.0}
+
+
+def line_of(material: dict[str, Any], **tables: Any) -> LineModel:
+    """Return the equations of a line."""
+    return line_model(case_from({"material": material, "shaft_line": tables}))
+
+
+def steel_disk(position: float, diameter: float) -> dict[str, float]:
+    """Return a disk of 70 mm thickness on a shaft of 50 mm, of the material of the rotors of
+    Friswell and others."""
+    outer, inner, thickness = diameter, 0.05, 0.07
+    mass = FRISWELL["density"] * np.pi / 4.0 * (outer**2 - inner**2) * thickness
+    polar = mass * (outer**2 + inner**2) / 8.0
+    diametral = polar / 2.0 + mass * thickness**2 / 12.0
+    return {
+        "position": position,
+        "mass": mass,
+        "polar_inertia": polar,
+        "diametral_inertia": diametral,
+    }
+
+
+FRISWELL_ROTORS: dict[str, Any] = {
+    "5.9.9": {
+        "disks": [steel_disk(1.5, 0.35)],
+        "bearings": [{"position": z, "stiffness": 1e7} for z in (0.0, 1.0)],
+    },
+    "5.9.1": {
+        "disks": [steel_disk(0.5, 0.28), steel_disk(1.0, 0.35)],
+        "bearings": [{"position": z, "stiffness": 1e6} for z in (0.0, 1.5)],
+    },
+}
+
+
+@verifies("5.9.9", "5.9.1")
+def friswell(example: str) -> Pairs:
+    """Compare frequencies at rest and at 4,000 rpm [rad/s]."""
+    shaft = {
+        "length": 1.5,
+        "outer_diameter": 0.05,
+        "elements": 6,
+        "poisson_ratio": 211.0 / (2.0 * 81.2) - 1.0,
+    }
+    line = line_of(FRISWELL, segments=[shaft], **FRISWELL_ROTORS[example])
+    known = reference("shaft")["friswell"][example]
+    return {
+        name: (known[name], line_modes(line, omega).eigenvalue.imag[: len(known[name])])
+        for name, omega in (("friswell_at_rest", 0.0), ("friswell_turning", 4000.0 * RPM))
+    }
+
+
+def three_disks(stiffness: tuple[float, float], damping: tuple[float, float]) -> LineModel:
+    """Return the rotor of Lalanne and Ferraris with bearings of these values along x and y."""
+    inertias = (14.58013, 0.1232021, 0.06463858), (45.94579, 0.9763481, 0.4977461)
+    keys = ("position", "mass", "polar_inertia", "diametral_inertia")
+    rows = zip((0.2, 0.5, 1.0), (*inertias, (55.13495, 1.171618, 0.6023493)), strict=True)
+    return line_of(
+        LALANNE,
+        segments=[{"length": 1.3, "outer_diameter": 0.1, "elements": 13}],
+        disks=[dict(zip(keys, (z, *values), strict=True)) for z, values in rows],
+        bearings=[
+            {
+                "position": z,
+                "stiffness": np.diag(stiffness).tolist(),
+                "damping": np.diag(damping).tolist(),
+            }
+            for z in (0.0, 1.3)
+        ],
+        unbalance=[{"position": 0.5, "unbalance": 0.05}],
+    )
+
+
+@verifies()
+def lalanne() -> Pairs:
+    """Compare frequencies [Hz] at rest and at 30,000 rpm, and damping ratios at rest."""
+    known = reference("shaft")["lalanne"]
+    line = three_disks((7e7, 5e7), (700.0, 500.0))
+    still, turning = (line_modes(line, omega, 4).eigenvalue for omega in (0.0, 30000.0 * RPM))
+    return {
+        "lalanne_at_rest": (known["at_rest"], np.abs(still) / (2.0 * np.pi)),
+        "lalanne_damping": (known["damping"], -still.real / np.abs(still)),
+        "lalanne_turning": (known["turning"], np.abs(turning) / (2.0 * np.pi)),
+    }
+
+
+@verifies()
+def lalanne_unbalance() -> Pair:
+    """Compare the amplitudes along x and y at the middle disk [m] at 15,000 rpm."""
+    line = three_disks((5e7, 7e7), (5e3, 7e3))
+    left, right = unbalance_response(line, 15000.0 * RPM)
+    place = 2 * line.node(0.5)
+    along, across = left[place] + right[place].conj(), left[place] - right[place].conj()
+    return reference("shaft")["lalanne"]["unbalance"], [abs(along), abs(across)]
+
+
+@verifies()
+def spinning_shaft() -> Pair:
+    """Compare the split of the first mode of a pinned shaft at 10,000 rad/s, divided by the
+    frequency at rest."""
+    line = line_of(
+        LALANNE,
+        segments=[{"length": 0.9, "outer_diameter": 0.05, "elements": 20}],
+        bearings=[{"position": z, "stiffness": 1e11} for z in (0.0, 0.9)],
+    )
+    still, turning = (line_modes(line, omega, 2).eigenvalue.imag for omega in (0.0, 1e4))
+    at_rest, *split = reference("shaft")["spinning"]
+    return np.array(split) / at_rest, turning / still
+
+
+@verifies()
+def stepped_rotor() -> Pair:
+    """Compare eigenvalues of a stepped hollow rotor on three unequal bearings with cross terms and
+    a support, at four speeds, with those of the same elements in another program; the entries are
+    decay rates and frequencies [rad/s], each divided by the absolute value of the eigenvalue."""
+    known = reference("shaft")["stepped"]
+    line = line_of({"young_modulus": 210e9, "density": 7800.0}, **known["shaft_line"])
+    expected, computed = [], []
+    for speed, values in known["eigenvalues"].items():
+        theirs = np.array(values)
+        ours = line_modes(line, float(speed), len(theirs)).eigenvalue
+        size = np.hypot(*theirs.T)[:, None]
+        expected.append(theirs / size)
+        computed.append(np.stack([ours.real, ours.imag], axis=1) / size)
+    return np.array(expected), np.array(computed)

@@ -1,0 +1,94 @@
+"""Commands on a case with a shaft line."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import answer, refusal
+
+import bladewhirl as bw
+
+CASE = """
+[shaft_line]
+segments = [{ length = "1 m", outer_diameter = "50 mm", elements = 4 }]
+disks = [{ position = 0.4, mass = 20, polar_inertia = 0.3, diametral_inertia = 0.16 }]
+bearings = [
+    { name = "front", position = 0.0, stiffness = "20 MN/m", damping = "1 kN s/m" },
+    { position = "1 m", stiffness = [["20 MN/m", 0], [0, "10 MN/m"]], damping = "1 kN s/m" },
+]
+unbalance = [{ position = 0.4, unbalance = "1 kg mm" }]
+
+[gravity]
+
+[march]
+speed = "3000 rpm"
+"""
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    file = tmp_path / "line.toml"
+    file.write_text(CASE)
+    return file
+
+
+def test_modes_are_listed_at_the_speed_of_the_case_and_drawn(case: Path, tmp_path: Path) -> None:
+    listed = answer("modes", case, "--count", 4, "-o", tmp_path / "modes")
+    assert "backward" in listed.output
+    assert (tmp_path / "modes" / "line-modes.png").exists()
+    document = json.loads(answer("modes", case, "--json", "--count", 4).stdout)
+    rows = document["shaft_line"]
+    assert [row["direction"] for row in rows] == ["backward", "forward"] * 2
+    assert all(row["decay_per_s"] < 0.0 for row in rows)
+    modes = bw.line_modes(bw.read_case(case), count=4)
+    assert [row["frequency_hz"] for row in rows] == modes["frequency"].values.tolist()
+    largest = np.hypot(*np.moveaxis(modes["displacement"].values, 2, 0)).max(axis=(1, 2))
+    assert largest == pytest.approx(1.0)
+
+
+def test_critical_speeds_lie_on_the_line_of_the_campbell_diagram(
+    case: Path, tmp_path: Path
+) -> None:
+    critical = json.loads(answer("critical-speeds", case, "--json").stdout)["shaft_line"]
+    answer("campbell", case, "--speeds", "0:3", "-o", tmp_path / "campbell")
+    diagram = json.loads(answer("campbell", case, "--json", "--speeds", "0:3").stdout)
+    rpm, hertz = np.array(diagram["rpm"]), np.array(diagram["frequency_hz"])
+    for number, row in enumerate(critical[:2]):
+        at_speed = np.interp(row["rpm"], rpm, hertz[:, number])
+        assert row["speed_rad_s"] / (2.0 * np.pi) == pytest.approx(at_speed, rel=1e-4)
+
+
+def test_the_response_peaks_near_critical_speeds(case: Path, tmp_path: Path) -> None:
+    critical = json.loads(answer("critical-speeds", case, "--json").stdout)["shaft_line"]
+    speeds = "1000 rpm:8000 rpm:5 rpm"
+    answer("response", case, "--speeds", speeds, "-o", tmp_path / "response")
+    found = json.loads(answer("response", case, "--speeds", speeds, "--json").stdout)
+    [peak] = [row for row in found["peaks"] if row["position"] == 0.4]
+    nearest = min(abs(peak["rpm"] - row["rpm"]) for row in critical)
+    assert nearest < 0.01 * peak["rpm"]
+
+
+def test_show_lists_masses_and_static_loads(case: Path) -> None:
+    derived = json.loads(answer("show", case, "--json").stdout)["derived"]
+    forces = sum(row["force_y"] for row in derived["bearings"])
+    assert forces == pytest.approx(9.81 * derived["mass"], rel=1e-9)
+    assert derived["mass"] == pytest.approx(20.0 + 7800.0 * np.pi / 4.0 * 0.05**2, rel=1e-9)
+    assert "front" in answer("show", case).output
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["run"], "shaft_line: not allowed here"),
+        (["veering"], "shaft_line: not allowed here"),
+        (["modes", "--shapes", "1F", "-o", "x"], "--shapes: not allowed with [shaft_line]"),
+        (["modes", "--set", "casing.clearance=0.002"], "clearance = 0.002 }: not allowed"),
+        (["modes", "--set", "march.record_step=1"], "march.record_step = 1: not allowed"),
+        (["modes", "--set", "shaft_line.bearings.1.position=0"], "expected bearings that hold"),
+        (["response", "--set", "shaft_line.unbalance=[]"], "shaft_line.unbalance: expected"),
+    ],
+)
+def test_what_a_line_does_not_have_is_refused(words: list[str], said: str, case: Path) -> None:
+    name, *options = words
+    assert said in refusal(name, case, *options)
