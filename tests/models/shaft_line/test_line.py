@@ -163,7 +163,7 @@ def test_the_response_follows_from_integration_in_time() -> None:
 def test_bearings_carry_the_weight(omega: float) -> None:
     """Forces and moments of bearings and weights are in balance, whatever the bearings."""
     line = line_of(bearings=UNEQUAL)
-    forces = line.bearing_force(sag(line, omega), np.zeros(line.size))
+    forces = line.bearing_force(sag(line, omega), np.zeros(line.size, dtype=complex))
     mass = RHO * np.pi / 4.0 * 0.05**2
     assert forces.sum() == pytest.approx(1j * G0 * (20.0 + mass), rel=1e-8)
     moment = (forces * np.array([0.1, 0.9])).sum()

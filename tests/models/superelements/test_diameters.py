@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import bladewhirl as bw
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.cyclic import nodal_diameter_of, real_dft
 from bladewhirl.models.superelements.diameters import blade_numbers, turned_to_diameters
 from bladewhirl.models.superelements.reduction import consistent
@@ -34,7 +33,7 @@ def test_modes_of_an_exported_wheel_have_one_diameter(wheel: Superelement) -> No
 def test_only_what_rounding_can_mix_is_turned_back(apart: float, undone: bool) -> None:
     """A mixture of 1e-6 of two modes is undone where it changes squared frequencies by 1e-12; it
     stays where it changes them by 1e-8, as then the blades may differ."""
-    angle: FloatArray = 2.0 * np.pi / BLADES * np.arange(BLADES)
+    angle = np.linspace(0.0, 2.0 * np.pi, BLADES, endpoint=False)
     radial = real_dft(BLADES)[:, [0, 5]]  # nodal diameters 0 and 3
     pure = np.zeros((3 * BLADES, 2))
     pure[::3] = radial
