@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.sparse.csgraph import dijkstra
 
 from bladewhirl.meshes.line_mesh import Chain, chain_to, outward_line
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.kinematics import IntArray, ViewError
 
 
 def line_blades(dataset: xr.Dataset) -> IntArray:
@@ -61,26 +61,3 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
     for number, name in enumerate(rest, len(names)):
         member[(blade < 0) & (part == name)] = number
     return [*names, *(name or "other beams" for name in rest)], member
-
-
-def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Array, Array]:
-    """Return the nodes of the rotor, and the stations along its beams, with every tip moved by
-    `recess` (blade,) [m] towards the centre. Each blade is shortened evenly.
-    """
-    nodes, lines = dataset["rotor_point"].values, dataset["rotor_line"].values
-    blade, radius = line_blades(dataset), np.linalg.norm(nodes, axis=1)
-    shift = np.zeros(len(nodes))
-    for number in np.flatnonzero(recess):
-        beam = np.unique(lines[blade == number])
-        root, tip = radius[beam].min(), radius[dataset["tip_node"].values[number]]
-        shift[beam] = recess[number] * (radius[beam] - root) / (tip - root)
-    x = np.linspace(0.0, 1.0, stations.shape[1])
-    along = np.outer(shift[lines[:, 0]], 1.0 - x) + np.outer(shift[lines[:, 1]], x)
-    return _moved_in(nodes, shift), _moved_in(stations, along)
-
-
-def _moved_in(points: Array, shift: Array) -> Array:
-    """Return points (..., 2) moved towards the centre by `shift` (...) [m]."""
-    radius = np.linalg.norm(points, axis=-1)
-    share = np.divide(shift, radius, out=np.zeros_like(radius), where=radius > 0)
-    return np.asarray(points * (1.0 - share[..., None]))

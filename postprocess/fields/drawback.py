@@ -11,7 +11,9 @@ from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
+    combine,
     history,
+    line_rows,
     line_shapes,
     slope_rows,
     table_of_result,
@@ -51,20 +53,20 @@ def largest_drawback(dataset: xr.Dataset) -> float:
     return largest
 
 
-def drawn_back(dataset: xr.Dataset, records: IntArray, line: Array, moved: Array) -> Array | None:
-    """Return the distance by which the stations of beams draw back as the blades bend, to second
-    order [m], (record, rotor_line, station); None without `contact.foreshortening`.
+def drawn_back(dataset: xr.Dataset, records: IntArray, pieces: int) -> Array | None:
+    """Return the distance by which the points of beams draw back as the blades bend, to second
+    order [m], (record, point): nodes, and then the stations that divide each beam into `pieces`;
+    None without `contact.foreshortening`.
 
-    The distance is measured along the outward radius of each station. At a tip it is the distance
-    by which the gap opens in the march: along the blade, or with `contact.tip_rotation` the
-    decrease of the distance from the axis. It is zero at the roots of the blades, and linear
-    between the ends of beams that do not belong to a blade.
+    The distance is measured along the outward radius of each point. At a tip it is the distance by
+    which the gap opens in the march: along the blade, or with `contact.tip_rotation` the decrease
+    of the distance from the axis. It is zero at the roots of the blades, and linear between the
+    ends of beams that do not belong to a blade.
 
     Args:
-        dataset: a result.
+        dataset: a result of beams.
         records: numbers of records.
-        line: undeformed stations, equally spaced, (rotor_line, station, 2) [m].
-        moved: displacements of the stations, (record, rotor_line, station, 2) [m].
+        pieces: number of pieces of each beam.
     """
     contact = table_of_result(dataset, "contact", Contact)
     if not contact.foreshortening:
@@ -72,7 +74,9 @@ def drawn_back(dataset: xr.Dataset, records: IntArray, line: Array, moved: Array
     lines, points = dataset["rotor_line"].values, dataset["rotor_point"].values
     parts, shape = dataset["rotor_part"].values.astype(str), dataset["rotor_shape"].values
     coordinates = history(dataset, "rotor_displacement", records)
-    slopes = _slopes(dataset, coordinates, line.shape[1] - 1)
+    line, rows = line_rows(dataset, pieces)
+    moved = combine(coordinates, rows).reshape(len(records), *line.shape)
+    slopes = _slopes(dataset, coordinates, pieces)
     centre = coordinates @ shape[int(dataset["centre_node"]), :2].T
     of_stations, of_nodes = np.zeros(moved.shape[:3]), np.zeros((len(records), len(points)))
     rest = np.ones(len(lines), dtype=np.bool_)
@@ -91,7 +95,7 @@ def drawn_back(dataset: xr.Dataset, records: IntArray, line: Array, moved: Array
     x = np.linspace(0.0, 1.0, line.shape[1])
     ends = of_nodes[:, lines[rest]]
     of_stations[:, rest] = ends[..., :1] * (1.0 - x) + ends[..., 1:] * x
-    return of_stations
+    return np.hstack([of_nodes, of_stations.reshape(len(records), -1)])
 
 
 def _turned_round(values: Array, backward: BoolArray) -> Array:

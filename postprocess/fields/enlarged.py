@@ -17,23 +17,21 @@ distance d by which each point of a blade draws back, of second order in the tru
 drawn with the same factor, r + factor (u_r - d), so that the drawn gap remains the factor times the
 gap of the march.
 
-Points of a surface are drawn in the same way, and their axial displacement is multiplied as well.
+The axial displacement is multiplied as well.
 """
 
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.stage.coating import axial_tracks
 from bladewhirl.postprocess.fields import kinematics
-from bladewhirl.postprocess.fields.blades import line_blades, with_recess
-from bladewhirl.postprocess.fields.drawback import drawn_back
+from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
-from bladewhirl.postprocess.fields.lost_blades import Lost, lost_blades
-from bladewhirl.postprocess.fields.strains import rotor_sections
+from bladewhirl.postprocess.fields.points import contact_nodes, points_of
 
 #: drawn clearance divided by the tip radius, if the factor is chosen automatically
 DRAWN_CLEARANCE = 0.1
@@ -42,6 +40,8 @@ DRAWN_MOTION = 0.25
 #: drawn thickness of a rigid wall divided by the tip radius
 RIGID = 0.02
 
+BEYOND = 0.15  #: part of the wall that is drawn beyond the contact nodes, by their axial distance
+NARROW = 0.01  #: smallest such part, relative to the tip radius
 MOST = 1e9  #: largest factor; 1 / MOST is the smallest factor
 
 
@@ -82,9 +82,11 @@ class EnlargedWall:
             )
             self.ring_displacement = rotate(ring, self.angle)
             self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
+            self.wall_width = float(dataset["casing_width"].values.max())
         else:
             self.ring_displacement = np.zeros((len(records), per_element, 2))
             self.wall_thickness = np.full(per_element, RIGID * self.tip_radius)
+            self.wall_width = 0.0  #: axial width [m]; 0 for a rigid wall, whose width is not known
         self._closure = kinematics.closure_change(dataset, records, self.angle)
         coating = kinematics.table_of_result(dataset, "casing", Casing).coating
         if "coating_strain" not in dataset:
@@ -137,19 +139,19 @@ class EnlargedWall:
 
 
 class EnlargedStage(EnlargedWall):
-    """Drawn positions of beams and casing at chosen records: the rotor in rotating axes, the casing
-    in static axes, with displacements and clearance multiplied.
+    """Drawn positions of points, contact nodes and wall at chosen records: the bladed disk in
+    rotating axes, the wall in static axes, with displacements and clearance multiplied.
 
     Args:
         dataset: a result.
         records: numbers of records.
         factor: factor of displacements and clearance; chosen by `round_factor` when None.
-        per_line: number of pieces into which each beam is divided.
+        pieces: number of pieces into which each beam is divided.
         per_element: number of pieces into which each element of the casing is divided.
 
     Raises:
         ViewError: the factor is not positive, larger than `MOST`, or smaller than the inverse of
-            `MOST`.
+            `MOST`; or the stage has no points.
     """
 
     def __init__(
@@ -158,86 +160,90 @@ class EnlargedStage(EnlargedWall):
         records: IntArray,
         *,
         factor: float | None,
-        per_line: int,
+        pieces: int,
         per_element: int,
     ) -> None:
         super().__init__(dataset, records, factor=factor, per_element=per_element)
-        self.line, rows = kinematics.line_rows(dataset, per_line)
-        self._thickness = rotor_sections(dataset, "thickness", per_line)
-        q = history(dataset, "rotor_displacement", records)
-        self.rotor_displacement = kinematics.combine(q, rows.reshape(-1, 2, rows.shape[-1]))
-        self._node = kinematics.combine(q, dataset["rotor_shape"].values[:, :2])
-        self._lost = lost_blades(dataset)
-        self._gone = np.zeros(len(records), dtype=np.bool_)
-        if self._lost is not None:
-            self._gone = self._lost.gone(dataset["time"].values[records])
-            self._hide(self._lost)
-        self.centre = self._node[:, int(dataset["centre_node"])]
-        self._moved = self.rotor_displacement
-        stations = (len(records), *self.line.shape)
-        drawn = drawn_back(dataset, records, self.line, self._moved.reshape(stations))
-        if drawn is not None:
-            self._draw_back(drawn)
-        largest = float(np.linalg.norm(self.rotor_displacement, axis=-1).max())
-        self._enlarge(self.tip_radius, self.tip_radius, largest)
-        self.nodes = dataset["rotor_point"].values  #: drawn nodes at rest (rotor_node, 2) [m]
+        self.body = body = points_of(dataset, pieces)
+        #: whether the lost blades are gone at each record (record,)
+        self.gone = dataset["time"].values[records] >= body.lost_from
+        self._motion = history(dataset, "rotor_displacement", records)
+        self.centre = self._motion @ body.centre.T  #: displacement of the centre (record, 2) [m]
+        largest = self.largest_bend = 0.0  #: largest displacement relative to the centre [m]
+        for index, centre in enumerate(self.centre):
+            moved = self.displacement(index)
+            largest = max(largest, _largest(moved))
+            self.largest_bend = max(self.largest_bend, _largest(moved - np.append(centre, 0.0)))
+        self._node_motion = rotate(
+            kinematics.contact_vectors(dataset, records), dataset["tip_angle"].values
+        )
+        self._drawn_back = body.drawn_back(records)
+        self.size = float(min(self.tip_radius, np.ptp(body.of_copy, axis=0).max()))
         recess = dataset["tip_recess"].values
-        shift = self.factor * recess - kinematics.recess_at_rest(dataset)
-        if shift.any():
-            self.nodes, self.line = with_recess(dataset, self.line, shift)
+        #: radius from which the clearance is measured, at each contact node (contact_node,) [m]
+        self.wall_radius = dataset["contact_radius"].values + recess
+        self._enlarge(self.size, float(self.wall_radius.max()), largest)
+        shift = (self.factor - 1.0) * recess
+        #: drawn contact nodes at rest (contact_node, 3) [m]
+        self.nodes = _moved_in(contact_nodes(dataset), shift)
+        self.rest = _moved_in(body.rest, self._along_blades(blade_means(dataset, shift)))
+        """Drawn points at rest (point, 3) [m]."""
+        axial = dataset["axial_position"].values
+        margin = BEYOND * np.ptp(axial) + NARROW * self.tip_radius
+        self.edges = float(axial.min() - margin), float(axial.max() + margin)
+        """Axial positions of the edges of the drawn wall [m]."""
+        if self.wall_width:
+            middle = 0.5 * float(axial.min() + axial.max())
+            self.edges = middle - 0.5 * self.wall_width, middle + 0.5 * self.wall_width
 
-    def _hide(self, lost: Lost) -> None:
-        """Let lost beams and nodes, whose motion has no meaning, move as the fracture does."""
-        shape, gone = (len(self._gone), *self.line.shape), np.flatnonzero(self._gone)
-        moved = self.rotor_displacement.reshape(shape)
-        at_cut = self._node[np.ix_(gone, lost.line_cuts)][:, :, None]
-        moved[np.ix_(gone, lost.lines)] = at_cut
-        self._node[np.ix_(gone, lost.nodes)] = self._node[np.ix_(gone, lost.node_cuts)]
+    def _along_blades(self, whole: Array) -> Array:
+        """Return distances at all points (point,) that grow along the radius of each blade from
+        zero to `whole` (blade,), so that the blade is shortened evenly."""
+        radius, along = np.hypot(*self.body.rest[:, :2].T), np.zeros(len(self.body.rest))
+        for blade in np.flatnonzero(whole):
+            own = self.body.blade == blade
+            root, tip = radius[own].min(), radius[own].max()
+            along[own] = whole[blade] * (radius[own] - root) / (tip - root)
+        return along
 
-    def _draw_back(self, drawn: Array) -> None:
-        """Reduce the radial displacements of stations and nodes by the distances `drawn` by which
-        the blades draw back, (record, rotor_line, station) [m]."""
-        flat, nodes = self.line.reshape(-1, 2), self._dataset["rotor_point"].values
-        self._moved = self._moved - drawn.reshape(len(drawn), -1, 1) * unit(flat)
-        of_nodes = np.zeros(self._node.shape[:2])
-        of_nodes[:, self._dataset["rotor_line"].values] = drawn[:, :, [0, -1]]
-        self._node = self._node - of_nodes[..., None] * unit(nodes)
+    def displacement(self, index: int) -> Array:
+        """Return the true displacement of all points at the index-th record (point, 3) [m]. Lost
+        points, whose motion has no meaning, move as the fracture does."""
+        moved = self.body.moved(self._motion[index])
+        if self.gone[index]:
+            moved[self.body.lost] = moved[self.body.cut]
+        return moved
 
-    @property
-    def largest_bend(self) -> float:
-        """Largest displacement relative to the centre [m]."""
-        bent = self.rotor_displacement - self.centre[:, None]
-        return float(np.linalg.norm(bent, axis=-1).max())
+    def points(self, index: int) -> Array:
+        """Return the drawn points (point, 3) [m] at the index-th record; lost points are at the
+        fracture."""
+        points = self._magnified(self.rest, self.displacement(index), self._drawn_back, index)
+        if self.gone[index]:
+            points[self.body.lost] = points[self.body.cut]
+        return points
 
-    def rotor_line(self, index: int) -> Array:
-        """Return drawn stations of beams (rotor_line, station, 2) [m] at the index-th record; those
-        of lost blades are at the fracture."""
-        shift = self.centre[index]
-        flat = self.line.reshape(-1, 2)
-        line = magnify(flat, self._moved[index], shift, self.factor).reshape(self.line.shape)
-        if self._lost is not None and self._gone[index]:
-            line[self._lost.lines] = self.rotor_nodes(index)[self._lost.line_cuts][:, None]
-        return line
+    def contact_nodes(self, index: int) -> Array:
+        """Return the drawn contact nodes (contact_node, 3) [m] at the index-th record."""
+        drawn = (
+            self._drawn_back if self._drawn_back is None else self._drawn_back[:, self.body.contact]
+        )
+        return self._magnified(self.nodes, self._node_motion[index], drawn, index)
 
-    def rotor_nodes(self, index: int) -> Array:
-        """Return the drawn nodes (rotor_node, 2) [m] at the index-th record."""
-        nodes = magnify(self.nodes, self._node[index], self.centre[index], self.factor)
-        if self._lost is not None and self._gone[index]:
-            nodes[self._lost.nodes] = nodes[self._lost.node_cuts]
-        return nodes
-
-    def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
-        """Return the right and left side of each beam (rotor_line, station, side, 2) [m].
+    def sides(self, index: int, points: Array, wall: Array) -> Array:
+        """Return the right and left side of each beam (line, station, side, 2) [m].
 
         Args:
             index: position among the chosen records.
-            line: drawn stations of the beams, from `rotor_line`.
+            points: drawn points, from `points`.
             wall: drawn casing, from `wall`; the ends of blades are cut parallel to it.
         """
-        along = unit(np.gradient(line, axis=1, edge_order=2))
-        half = self._thickness[..., None] / 2 * rotate(along, np.pi / 2)
+        line = self.body.stations(points)[..., :2]
+        if not len(line):
+            return np.zeros((*line.shape[:2], 2, 2))
+        along = unit(np.gradient(line, axis=1, edge_order=min(2, line.shape[1] - 1)))
+        half = self.body.thickness[..., None] / 2 * rotate(along, np.pi / 2)
         sides = np.stack([line - half, line + half], axis=2)
-        beams, stations = self._ends
+        beams, stations = np.divmod(self.body.ends, line.shape[1])
         corner, middle = sides[beams, stations], line[beams, stations][:, None]
         wall_angle, wall_radius = _polar(wall[:, 0])
         (angle, _), (at_tip, radius) = _polar(corner), _polar(middle)
@@ -248,13 +254,54 @@ class EnlargedStage(EnlargedWall):
         sides[beams, stations] = (radius + facing - before)[..., None] * directions(angle)
         return sides
 
-    @cached_property
-    def _ends(self) -> tuple[IntArray, IntArray]:
-        """Numbers of the beams that end at a blade tip, and for each the station at the tip."""
-        lines, tips = self._dataset["rotor_line"].values, self._dataset["tip_node"].values
-        ending = np.isin(lines, tips) & (line_blades(self._dataset) >= 0)[:, None]
-        beams, end = np.nonzero(ending)
-        return beams, np.where(end == 1, self.line.shape[1] - 1, 0)
+    def strips(self) -> list[tuple[int, float, float]]:
+        """Return the strips of the drawn coating: the number of the track, -1 beside the tracks,
+        and the axial positions of both edges [m]."""
+        first, last = self.edges
+        axial, _ = axial_tracks(
+            self._dataset["axial_position"].values, self._dataset["contact_radius"].values
+        )
+        ends = np.array([first, last])
+        if len(axial) > 1:
+            ends = np.concatenate([axial[:1], 0.5 * (axial[1:] + axial[:-1]), axial[-1:]])
+        strips = list(zip(range(len(axial)), ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+        beside = [(-1, first, float(ends[0])), (-1, float(ends[-1]), last)]
+        return [*strips, *(each for each in beside if each[1] < each[2])]
+
+    def wall_edge(self, wall: Array, axial: float | Array) -> Array:
+        """Return a line on the inner surface of the wall (station, 3) [m] at axial positions. The
+        radius of a wall that is a cone follows from the contact nodes.
+
+        Args:
+            wall: points of the drawn wall at the largest radius of contact nodes (station, 2) [m].
+            axial: axial position of the line, or of each station [m].
+        """
+        position = self._dataset["axial_position"].values
+        slope = 0.0
+        if np.ptp(position) > 0.0:
+            slope = np.polyfit(position, self.wall_radius, 1)[0]
+        at_largest = position[np.argmax(self.wall_radius)]
+        place = np.broadcast_to(axial, len(wall))
+        inner = wall + slope * (place - at_largest)[:, None] * unit(wall)
+        return np.column_stack([inner, place])
+
+    def _magnified(self, rest: Array, moved: Array, drawn: Array | None, index: int) -> Array:
+        """Return drawn positions (point, 3) of points at rest that move, and draw back by distances
+        `drawn` (record, point), at the index-th record [m]."""
+        plane = moved[:, :2]
+        if drawn is not None:
+            plane = plane - drawn[index, :, None] * unit(rest[:, :2])
+        flat = magnify(rest[:, :2], plane, self.centre[index], self.factor)
+        return np.column_stack([flat, rest[:, 2] + self.factor * moved[:, 2]])
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=-1).max())
+
+
+def _moved_in(points: Array, shift: Array) -> Array:
+    """Return points (point, 3) moved towards the axis by `shift` (point,) [m]."""
+    return np.column_stack([points[:, :2] - shift[:, None] * unit(points[:, :2]), points[:, 2]])
 
 
 def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> Array:

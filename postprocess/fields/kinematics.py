@@ -22,8 +22,6 @@ IntArray = NDArray[np.int64]
 
 FRAMES_PER_REVOLUTION = 24  #: with fewer pictures per revolution, the rotation is not smooth
 
-ROUNDING = 1e-12  #: radii with a relative difference below this are regarded as equal
-
 
 class ViewError(UserError, ValueError):
     """Invalid time window, number of frames, factor or file of a view of a result."""
@@ -175,6 +173,16 @@ def tip_rows(dataset: xr.Dataset) -> Array:
     return np.stack([np.einsum("bd,bdm->bm", axis, shapes) for axis in axes])
 
 
+def contact_vectors(dataset: xr.Dataset, records: IntArray) -> Array:
+    """Return radial, tangential and axial displacements of the contact nodes in rotating axes at
+    some records [m], (record, contact_node, 3), with the part of their own flexibility."""
+    if "contact_displacement" in dataset:
+        return history(dataset, "contact_displacement", records)
+    rows = tip_rows(dataset)
+    moved = np.einsum("rm,dnm->rnd", history(dataset, "rotor_displacement", records), rows)
+    return np.pad(moved, ((0, 0), (0, 0), (0, 1)))
+
+
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
     """Return the angles (casing_node * per_element,) [rad] that divide each casing element into
     `per_element` equal arcs."""
@@ -236,13 +244,6 @@ def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
     at_left = np.einsum("kp,pckm->pcm", weights[:2], pairs[left])
     at_right = np.einsum("kp,pckm->pcm", weights[2:], pairs[(left + 1) % len(node)])
     return np.asarray(at_left + at_right)
-
-
-def recess_at_rest(dataset: xr.Dataset) -> Array:
-    """Return the tip radius of the stage minus the radius of each tip at rest, (blade,) [m]."""
-    radius = float(dataset.attrs["tip_radius"])
-    tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
-    return np.asarray(np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0))
 
 
 def smallest_clearance(dataset: xr.Dataset) -> float:

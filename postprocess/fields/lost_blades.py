@@ -1,6 +1,7 @@
 """Blades that are lost during a run: when they are gone, and what is gone with them."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,18 +15,24 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 @dataclass(frozen=True, kw_only=True)
 class Lost:
-    """Lost blades of a run, with their nodes and beams; a superelement has neither."""
+    """Lost blades of a run."""
 
     time: float  #: time of the loss [s]
     blades: IntArray  #: numbers of the blades, (blades,)
-    nodes: IntArray  #: lost nodes, (nodes,)
-    lines: IntArray  #: lost beams, (beams,)
-    node_cuts: IntArray  #: node of the fracture that is nearest to each lost node, (nodes,)
-    line_cuts: IntArray  #: that nearest to each lost beam, (beams,)
+    share: float  #: share of their length beyond which they are lost
 
     def gone(self, time: Array) -> BoolArray:
         """Return whether the blades are gone at times [s], in the shape of the times."""
         return np.asarray(time >= self.time)
+
+
+class LostBeams(NamedTuple):
+    """Nodes and beams that are lost."""
+
+    nodes: IntArray  #: lost nodes, (nodes,)
+    lines: IntArray  #: lost beams, (beams,)
+    node_cuts: IntArray  #: node of the fracture that is nearest to each lost node, (nodes,)
+    line_cuts: IntArray  #: that nearest to each lost beam, (beams,)
 
 
 def lost_blades(dataset: xr.Dataset) -> Lost | None:
@@ -36,11 +43,11 @@ def lost_blades(dataset: xr.Dataset) -> Lost | None:
         return None
     blades, step = np.array(loss.blade), float(dataset.attrs["time_step"])
     time = (round(loss.time / step) - 0.5) * step
-    if "rotor_line" not in dataset:
-        none = np.zeros(0, dtype=np.int64)
-        return Lost(
-            time=time, blades=blades, nodes=none, lines=none, node_cuts=none, line_cuts=none
-        )
+    return Lost(time=time, blades=blades, share=loss.share)
+
+
+def lost_beams(dataset: xr.Dataset, loss: Lost) -> LostBeams:
+    """Return the nodes and beams that are lost with the blades of a run."""
     lines, points = dataset["rotor_line"].values, dataset["rotor_point"].values
     pairs = [dataset[name].values for name in ("rotor_link", "rotor_spring") if name in dataset]
     joints = np.concatenate([lines, *(each[(each >= 0).all(axis=1)] for each in pairs)])
@@ -52,16 +59,14 @@ def lost_blades(dataset: xr.Dataset) -> Lost | None:
         tips=dataset["tip_node"].values,
         centre=int(dataset["centre_node"]),
     )
-    lost = mesh.lost_with(blades, loss.share)
+    lost = mesh.lost_with(loss.blades, loss.share)
     cuts = points[lost.cuts]
 
     def nearest(places: Array) -> IntArray:
         away = np.linalg.norm(places[:, None] - cuts, axis=-1)
         return np.asarray(lost.cuts[away.argmin(axis=1)])
 
-    return Lost(
-        time=time,
-        blades=blades,
+    return LostBeams(
         nodes=lost.nodes,
         lines=lost.lines,
         node_cuts=nearest(points[lost.nodes]),

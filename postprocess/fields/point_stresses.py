@@ -12,9 +12,8 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
-from bladewhirl.postprocess.fields.nodes import copy_coordinates
 
 ROOT = np.sqrt(3.0)
 VON_MISES = np.array(
@@ -71,7 +70,8 @@ class PointStresses:
     def at(self, records: IntArray) -> Array:
         """Return the von Mises stress [Pa], (record, point), of one copy after another; zero for
         lost blades."""
-        motion = copy_coordinates(self._dataset, "rotor_displacement", records)
+        motion = history(self._dataset, "rotor_displacement", records)
+        motion = motion.reshape(len(records), self._dataset.sizes["copy"], -1)
         terms = (self._factor * motion) @ self._modes.T
         force = self._dataset["contact_force"].isel(time=records).values
         width = self._forces.shape[2]
@@ -91,6 +91,10 @@ class PointStresses:
             of_copies = stress.reshape(len(records), -1, self.points)
             of_copies[np.ix_(gone, lost.blades)] = 0.0
         return np.asarray(stress)
+
+    def on_sides(self, records: IntArray) -> Array:
+        """Return the von Mises stress [Pa], (record, point, 1), computed record by record."""
+        return np.concatenate([self.at(np.array([record])) for record in records])[..., None]
 
     def together(self, most_bytes: float) -> int:
         """Return the number of records whose terms take at most a number of bytes; at least 1."""

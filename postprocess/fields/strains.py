@@ -44,6 +44,16 @@ class Strains(NamedTuple):
         )
         return Strains(axial, bending)
 
+    def at_surfaces(self, field: str, modulus: Array) -> Array:
+        """Return "axial-strain", "bending-strain" [1] or "stress" [Pa] at both surfaces (record,
+        element, station, side), for a Young's modulus (element, station or 1) [Pa]. The first side
+        is the right side of beams and the inner side of the casing."""
+        bend = self.bending[..., None] * np.array([1.0, -1.0])
+        axial = self.axial[..., None] + 0.0 * bend
+        if field == "bending-strain":
+            return np.asarray(bend)
+        return np.asarray(axial if field == "axial-strain" else modulus[..., None] * (axial + bend))
+
 
 def rotor_sections(
     dataset: xr.Dataset, name: Literal["thickness", "width", "young_modulus"], pieces: int

@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
-from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.fields.nodes import frame_meshes
-from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
+from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, contact_vectors
+from bladewhirl.postprocess.fields.points import contact_nodes
 from bladewhirl.postprocess.pictures.solids import CORNERS, tube, tube_triangles
 
 STATIONS = 256  #: smallest number of stations of the wall
@@ -45,15 +45,12 @@ class NodeParts:
     ) -> None:
         if surface:
             raise ViewError("surface: not for a superelement, whose file contains its surface")
-        if "point_shape" not in dataset:
-            raise ViewError("expected a superelement whose file has points and recovery")
         self._dataset, self._records, self._rotating = dataset, records, rotating
         per_element = -(-STATIONS // dataset.sizes.get("casing_node", 1))
         self._true, self._stage = (
-            EnlargedSurface(dataset, each, factor=factor, per_element=per_element)
+            EnlargedStage(dataset, each, factor=factor, pieces=1, per_element=per_element)
             for each, factor in ((records[:1], 1.0), (records, exaggeration))
         )
-        self._stresses = PointStresses(dataset) if has_stresses(dataset) else None
         self.exaggeration = self._stage.factor
         self.largest_displacement = self._stage.largest_displacement  #: over all records [m]
         points = self._stage.rest
@@ -66,22 +63,58 @@ class NodeParts:
         """Yield the grids of the parts, by name, for each record."""
         stage = self._stage
         for index, record in enumerate(self._records):
-            meshes = frame_meshes(self._dataset, int(record), self._rotating)
-            if self._stresses is not None:
-                (stress,) = self._stresses.at(np.array([record]))
-                meshes["blades"].point_data["von_mises_stress"] = stress
             ahead = float(stage.turns[index])
             turn = 0.0 if self._rotating else ahead
-            drawn = {
-                "blades": rotate(stage.points(index), turn),
-                "contact": rotate(stage.contact_nodes(index), turn),
+            meshes = {
+                "blades": self._blades(index, int(record), turn),
+                "contact": self._contact(index, int(record), turn),
+                "casing": self._casing(index, turn - ahead),
             }
-            for name, places in drawn.items():
-                meshes[name].point_data["warp"] = places - meshes[name].points
-            meshes["casing"] = self._casing(index, turn - ahead)
             if self._strips:
                 meshes["coating"] = self._coating(index, turn - ahead)
             yield meshes
+
+    def _blades(self, index: int, record: int, turn: float) -> meshio.Mesh:
+        """Return the points and triangles at a record, turned by an angle [rad]."""
+        dataset, body = self._dataset, self._stage.body
+        moved = body.moved(dataset["rotor_displacement"][record].values)
+        spin = 0.0 if self._rotating else rotation.speeds(dataset)[record]
+        velocity = body.moved(dataset["rotor_velocity"][record].values)
+        velocity += spin * np.cross([0.0, 0.0, 1.0], moved)
+        return meshio.Mesh(
+            rotate(body.rest, turn),
+            [("triangle" if body.cells.shape[1] == 3 else "vertex", body.cells)],
+            {
+                "displacement": rotate(moved, turn),
+                "velocity": rotate(velocity, turn),
+                "radial_displacement": np.sum(unit(body.rest * [1.0, 1.0, 0.0]) * moved, axis=1),
+                "blade": body.blade,
+                **{
+                    field.name.lower().replace(" ", "_"): field.at(np.array([record]))[0, :, 0]
+                    for field in body.recovered.values()
+                },
+                "warp": rotate(self._stage.points(index) - body.rest, turn),
+            },
+        )
+
+    def _contact(self, index: int, record: int, turn: float) -> meshio.Mesh:
+        """Return the contact nodes at a record, turned by an angle [rad]."""
+        dataset, angle = self._dataset, self._dataset["tip_angle"].values + turn
+        rest, records = contact_nodes(dataset), np.array([record])
+        force = np.zeros((len(rest), 3))
+        if "contact_force" in dataset:
+            force = dataset["contact_force"][record].values
+        return meshio.Mesh(
+            rotate(rest, turn),
+            [("vertex", np.arange(len(angle))[:, None])],
+            {
+                "displacement": rotate(contact_vectors(dataset, records)[0], angle),
+                "contact_force": rotate(force, angle),
+                "gap": dataset["gap"][record].values,
+                "blade": dataset["blade"].values,
+                "warp": rotate(self._stage.contact_nodes(index) - rest, turn),
+            },
+        )
 
     def _casing(self, index: int, turn: float) -> meshio.Mesh:
         """Return the wall without its coating, turned by an angle [rad]."""

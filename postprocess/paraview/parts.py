@@ -20,7 +20,7 @@ from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
-from bladewhirl.postprocess.fields.lost_blades import lost_blades
+from bladewhirl.postprocess.fields.lost_blades import lost_beams, lost_blades
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,
@@ -69,6 +69,8 @@ class StageParts:
     ) -> None:
         self._dataset, self._rotating = dataset, rotating
         self._lost = lost_blades(dataset)
+        if self._lost is not None:
+            self._lost_lines = lost_beams(dataset, self._lost).lines
         self.size = float(dataset.attrs["tip_radius"])  #: half the size of the stage [m]
         beam_pieces, arc_points = (BEAM_PIECES, ARC_POINTS) if surface else (1, LINE_ARC_POINTS)
         self._per_element = -(-arc_points // dataset.sizes["casing_node"])
@@ -102,7 +104,7 @@ class StageParts:
         #: symbols at rest, with the true and with the enlarged clearance
         outer = [stage.wall_at_rest() for stage in still]
         self._still = [
-            self._symbols.drawn(wall, wall, np.zeros(2), stage.nodes)
+            self._symbols.drawn(wall, wall, np.zeros(2), stage.rest[:, :2])
             for wall, stage in zip(outer, still, strict=True)
         ]
 
@@ -117,13 +119,10 @@ class StageParts:
                 for boxes, rest, angle in zip(self._bodies, self._rest, turns, strict=True)
             ]
             tips = self._tip_fields(records, turns[0])
-            gone = np.zeros(len(records), dtype=np.bool_)
-            if self._lost is not None:
-                gone = self._lost.gone(self._dataset["time"].values[records])
             for index in range(len(records)):
-                wall, line = stage.wall(index), stage.rotor_line(index)
-                nodes = stage.rotor_nodes(index)
-                drawn = self._drawn(stage, index, line, wall)
+                wall, points = stage.wall(index), stage.points(index)
+                nodes, tips_drawn = points[:, :2], stage.contact_nodes(index)
+                drawn = self._drawn(stage, index, points, wall)
                 grids = {
                     boxes.body: self._body(
                         number,
@@ -131,7 +130,7 @@ class StageParts:
                         turns[number][index],
                         fields,
                         index,
-                        gone=bool(gone[index]),
+                        gone=bool(stage.gone[index]),
                     )
                     for number, (boxes, fields) in enumerate(zip(self._bodies, bodies, strict=True))
                 }
@@ -139,9 +138,11 @@ class StageParts:
                     remaining = self._remaining_thickness(records[[index]])
                     grids["casing"].cell_data["remaining_thickness"] = [remaining]
                 tips_here = np.arange(len(self._tips))
-                if self._lost is not None and gone[index]:
+                if self._lost is not None and stage.gone[index]:
                     tips_here = np.setdiff1d(tips_here, self._lost.blades)
-                grids["contact"] = self._contact(nodes, turns[0][index], tips, index, tips_here)
+                grids["contact"] = self._contact(
+                    tips_drawn, turns[0][index], tips, index, tips_here
+                )
                 supports = self._supports(stage, index, wall, nodes, turns)
                 if supports is not None:
                     grids["supports"] = supports
@@ -152,18 +153,19 @@ class StageParts:
             self._dataset,
             records,
             factor=factor,
-            per_line=self._per_line,
+            pieces=self._per_line,
             per_element=self._per_element,
         )
 
-    def _drawn(self, stage: EnlargedStage, index: int, line: Array, wall: Array) -> list[Array]:
+    def _drawn(self, stage: EnlargedStage, index: int, points: Array, wall: Array) -> list[Array]:
         """Return the drawn corners (corner, 2) [m] of rotor and casing, each in its own axes."""
         pieces = np.arange(self._per_element + 1)
         stations = self._per_element * np.arange(self._dataset.sizes["casing_node"])[:, None]
         around = (stations + pieces) % len(wall)
         if not self._bodies[0].solid:
+            line = stage.body.stations(points)[..., :2]
             return [line.reshape(-1, 2), wall[around, 0].reshape(-1, 2)]
-        sides = stage.rotor_sides(index, line, wall)
+        sides = stage.sides(index, points, wall)
         return [sides[:, :, SIDES].reshape(-1, 2), wall[around][:, :, SIDES].reshape(-1, 2)]
 
     def _body_fields(
@@ -217,9 +219,7 @@ class StageParts:
         rest, boxes = self._rest[number], self._bodies[number]
         kept = np.ones(len(self._faces[number]), dtype=np.bool_)
         if boxes.body == "rotor" and self._lost is not None and gone:
-            whole = np.ones(self._dataset.sizes["rotor_line"], dtype=np.bool_)
-            whole[self._lost.lines] = False
-            kept = boxes.on_cells(whole)
+            kept = boxes.on_cells(~np.isin(np.arange(boxes.shape[0]), self._lost_lines))
         return meshio.Mesh(
             points=rotate(rest, angle),
             cells=[("quad" if boxes.solid else "line", self._faces[number][kept])],
@@ -284,7 +284,7 @@ class StageParts:
             points=rotate(rest, angle),
             cells=[("vertex", blade[:, None])],
             point_data={
-                "warp": _in_space(rotate(nodes[self._tips] - rest[:, :2], angle)),
+                "warp": _in_space(rotate(nodes[:, :2] - rest[:, :2], angle)),
                 **{name: values[index] for name, values in fields.items()},
             },
             cell_data={"blade": [blade]},

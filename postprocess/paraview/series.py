@@ -84,9 +84,9 @@ def export_vtk(
     its coating in strips, one for each axial track; they have `displacement` and `warp`, all but
     contact nodes also `radial_displacement`, the coating `wear` and `remaining_thickness` [m] and
     the number `track` (-1 beside the tracks), blades `velocity` and,
-    if their file gives the recovery of stress, `von_mises_stress` [Pa], contact nodes
-    `contact_force`; blades and contact nodes have `gap` and the number `blade`, on a wheel that of
-    the nearest contact node.
+    if their file gives the recovery of stress, `von_mises_stress` [Pa], contact nodes `gap` and
+    `contact_force`; blades and contact nodes have the number `blade`, on a wheel that of the
+    nearest contact node.
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
     `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all

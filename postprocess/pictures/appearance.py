@@ -29,6 +29,7 @@ MARK = 0.014
 RIM = 0.006  #: width of the light rim around hub and mark
 EDGE = 0.002  #: width of the light edge on both sides of strokes
 CONTACT_DISC = 0.014
+NODE_DISC = 0.02  #: of contact nodes that have a value
 ARROW_WIDTH = 0.011
 LONGEST_ARROW = 0.17
 ROUND = (1.0, 1.2, 1.6, 2.0, 2.4, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)

@@ -1,15 +1,13 @@
 """What is drawn of a stage: beams with supports, or a surface of triangles, and the wall."""
 
-from typing import NamedTuple, Protocol, get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
-from bladewhirl.postprocess.fields.enlarged import EnlargedStage, EnlargedWall
-from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.fields.nodes import copied_cells
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.solids import HUB, Placed, Solid, hub_of, tube, tube_triangles
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
@@ -39,89 +37,28 @@ class Shape(NamedTuple):
     surface: Array  #: points, with their distance towards the viewer (point, 3) [m]
     wall: Array  #: both sides of the drawn wall (station, side, 2) [m]
     stations: IntArray  #: number of the station of the wall whose colour is at each drawn station
-    tips: (
-        Array  #: contact nodes, in space with their distance towards the viewer (node, 2 or 3) [m]
-    )
-    centre: Array  #: likewise (2 or 3,) [m]
-    mark: Array  #: likewise (2 or 3,) [m]
+    tips: Array  #: contact nodes, with their distance towards the viewer (node, 3) [m]
+    centre: Array  #: likewise (3,) [m]
+    mark: Array  #: likewise (3,) [m]
     symbols: Symbols
-    solids: tuple[Placed, ...] = ()  #: positions of the solids of the body
+    solids: tuple[Placed, ...]  #: positions of the solids of the body
 
 
-class Body(Protocol):
-    """Stage of which `Drawing` makes pictures."""
-
-    nodes: Array  #: nodes of beams, or contact nodes of a surface, at rest (node, 2) [m]
-    triangles: IntArray  #: points of each triangle of the surface (triangle, 3)
-    largest_bend: float  #: largest displacement of the rotor relative to its centre [m]
-    solids: tuple[Solid, ...]  #: wall, coating and hub in space; the wall is a ribbon if none
-    walls: int  #: number of the first solids that are wall and coating
-
-    @property
-    def stage(self) -> EnlargedWall:
-        """Drawn positions."""
-
-    def shape(self, index: int, rotor: float, casing: float) -> Shape:
-        """Return the drawn positions at the index-th record, with the rotor and the casing turned
-        by angles [rad]."""
-
-    def seen(self, vectors: Array) -> Array:
-        """Return vectors (..., 2 or 3) as they are seen in the picture (..., 2)."""
-
-
-class Beams:
-    """Beams and their supports in the ring of the casing, seen along the axis."""
-
-    def __init__(
-        self, dataset: xr.Dataset, records: IntArray, factor: float | None, per_element: int
-    ) -> None:
-        self.solids: tuple[Solid, ...] = ()
-        self.walls = 0
-        self.stage = stage = EnlargedStage(
-            dataset, records, factor=factor, per_line=BEAM_STATIONS, per_element=per_element
-        )
-        self.nodes, self.triangles = stage.nodes, np.zeros((0, 3), dtype=np.int64)
-        self.largest_bend = stage.largest_bend
-        self._tips = dataset["tip_node"].values
-        from_mark = stage.line.reshape(-1, 2) - MARK * stage.nodes[self._tips[0]]
-        self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))
-        self._symbols = StageSymbols(dataset, stage.angle, stage.outward_reach())
-
-    def shape(self, index: int, rotor: float, casing: float) -> Shape:
-        """Return the drawn positions, see `Body`."""
-        stage = self.stage
-        line, nodes, wall = stage.rotor_line(index), stage.rotor_nodes(index), stage.wall(index)
-        centre = stage.factor * stage.centre[index]
-        closed = np.append(np.arange(len(wall)), 0)  # the first station is repeated at the end
-        ahead = float(stage.turns[index])
-        symbols = self._symbols.drawn(wall[:, 1], stage.wall_at_rest(), centre, nodes, ahead)
-        return Shape(
-            ribbons=rotate(stage.rotor_sides(index, line, wall), rotor),
-            surface=np.zeros((0, 3)),
-            wall=rotate(wall[closed], casing),
-            stations=closed,
-            tips=rotate(nodes[self._tips], rotor),
-            centre=rotate(centre, rotor),
-            mark=rotate(line.reshape(-1, 2)[self._mark], rotor),
-            symbols=self._symbols.together(symbols, casing, rotor),
-        )
-
-    def seen(self, vectors: Array) -> Array:
-        """Return vectors in the plane as they are."""
-        return vectors
-
-
-class Triangles:
-    """Surface of triangles and the inner face of the wall around it.
+class Body:
+    """Stage of which `Drawing` makes pictures: beams with their supports in the ring of the wall,
+    seen along the axis; or a surface of triangles, with the inner face of the wall around it.
 
     Args:
         dataset: a result.
         records: numbers of the records.
         factor: factor of displacements and clearance, chosen when None.
-        per_element: number of pieces of an element of the casing, or of a rigid wall.
         around: true to show the wall around the axis, cut open in front of the tips; false for the
             wall near a single blade, in an oblique view of its face, where its bending is visible.
-        view: direction of the view.
+            Beams have the whole wall.
+        view: direction of the view; oblique when None, of beams axial.
+
+    Raises:
+        ViewError: the factor or the view is invalid, or the stage has no surface.
     """
 
     def __init__(
@@ -129,19 +66,42 @@ class Triangles:
         dataset: xr.Dataset,
         records: IntArray,
         factor: float | None,
-        per_element: int,
+        *,
         around: bool,
-        view: View,
+        view: View | None = None,
     ) -> None:
-        if "triangle" not in dataset:
+        if view not in (None, *get_args(View)):
+            raise ViewError(f"view must be one of {', '.join(get_args(View))}, got {view!r}")
+        per_element = -(-RING_STATIONS // dataset.sizes.get("casing_node", 1))
+        #: drawn positions
+        self.stage = stage = EnlargedStage(
+            dataset, records, factor=factor, pieces=BEAM_STATIONS, per_element=per_element
+        )
+        self.points = points = stage.body
+        if points.cells.shape[1] == 1:
             raise ViewError(NO_SURFACE)
-        stage = EnlargedSurface(dataset, records, factor=factor, per_element=per_element)
-        self.stage, self.triangles = stage, copied_cells(dataset)
-        self.largest_bend = stage.largest_bend
-        angle = dataset["tip_angle"].values
+        if points.flat and view not in (None, "axial"):
+            raise ViewError(f'view = "{view}": beams lie in a plane; expected "axial"')
+        #: points of each triangle of the surface (triangle, 3)
+        self.triangles = np.zeros((0, 3), dtype=np.int64) if points.flat else points.cells
         target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
         self._mark = int(np.argmin(np.linalg.norm(stage.rest - target, axis=1)))
-        towards, self._focus = np.array(TOWARDS[view]), np.zeros(3)
+        self.solids: tuple[Solid, ...] = ()
+        """Wall, coating and hub in space; the wall is a ribbon if there are none."""
+        self.walls = 0  #: number of the first solids that are wall and coating
+        self._axes, self._focus = np.eye(3), np.zeros(3)
+        self._symbols: StageSymbols | None = None
+        if points.flat:
+            self._symbols = StageSymbols(dataset, stage.angle, stage.outward_reach())
+        else:
+            self._look(dataset, view or "oblique", around=around)
+        self.nodes = self._placed(stage.rest if points.flat else stage.nodes, 0.0)[..., :2]
+        """Points of beams, nodes first, or contact nodes of a surface, at rest (node, 2) [m]."""
+
+    def _look(self, dataset: xr.Dataset, view: View, *, around: bool) -> None:
+        """Choose the axes of the picture, and the solids, for a view of a surface."""
+        stage, angle = self.stage, dataset["tip_angle"].values
+        towards = np.array(TOWARDS[view])
         self._axes = _axes(
             towards, np.array([0.0, 1.0, 0.0] if view != "side" else [0.0, 0.0, 1.0])
         )
@@ -156,7 +116,7 @@ class Triangles:
             start = angle.max() if view == "side" else angle.min() - ARC
             self._arc = np.linspace(start, angle.max() + ARC, ARC_STATIONS)
         self._strips = stage.strips() if stage.coating else []
-        self._hub = hub_of(dataset, stage.rest, 0.5 * stage.tip_radius) if around else None
+        self._hub = hub_of(self.points, stage.rest, 0.5 * stage.tip_radius) if around else None
         wall = Solid(triangles=tube_triangles(len(self._arc)))
         self.solids = (
             wall,
@@ -164,24 +124,33 @@ class Triangles:
             *([] if self._hub is None else [HUB]),
         )
         self.walls = len(self.solids) - (self._hub is not None)
-        self.nodes = self._placed(stage.nodes, 0.0)[..., :2]
 
     def shape(self, index: int, rotor: float, casing: float) -> Shape:
-        """Return the drawn positions, see `Body`."""
-        stage = self.stage
-        edges, stations, solids = self._walls(index, casing)
-        if self._hub is not None:
-            solids += (Placed(self._placed(self._hub, rotor), np.full(len(self._hub), -1)),)
-        points = self._placed(stage.points(index), rotor)
+        """Return the drawn positions at the index-th record, with the rotor and the casing turned
+        by angles [rad]."""
+        stage, wall = self.stage, self.stage.wall(index)
+        stations = np.append(np.arange(len(wall)), 0)  # the first station is repeated at the end
+        edges, solids, symbols = rotate(wall[stations], casing), tuple[Placed, ...](), Symbols()
+        points, centre = stage.points(index), stage.factor * stage.centre[index]
+        if self._symbols is not None:
+            groups = self._symbols.drawn(
+                wall[:, 1], stage.wall_at_rest(), centre, points[:, :2], float(stage.turns[index])
+            )
+            symbols = self._symbols.together(groups, casing, rotor)
+        else:
+            edges, stations, solids = self._walls(index, casing)
+            if self._hub is not None:
+                solids += (Placed(self._placed(self._hub, rotor), np.full(len(self._hub), -1)),)
+        placed = self._placed(points, rotor)
         return Shape(
-            ribbons=np.zeros((0, BEAM_STATIONS + 1, 2, 2)),
-            surface=points,
+            ribbons=rotate(stage.sides(index, points, wall), rotor),
+            surface=placed[:0] if self.points.flat else placed,
             wall=edges[..., :2],
             stations=stations,
             tips=self._placed(stage.contact_nodes(index), rotor),
-            centre=self._placed(np.append(stage.factor * stage.centre[index], 0.0), rotor),
-            mark=points[self._mark],
-            symbols=Symbols(),
+            centre=self._placed(np.append(centre, 0.0), rotor),
+            mark=placed[self._mark],
+            symbols=symbols,
             solids=solids,
         )
 
@@ -225,7 +194,7 @@ class Triangles:
         return np.stack([line(inner, first), line(inner, last)], axis=1), number, solids
 
     def seen(self, vectors: Array) -> Array:
-        """Return the projections of vectors in the plane or in space."""
+        """Return vectors (..., 2 or 3) as they are seen in the picture (..., 2)."""
         return np.asarray(vectors @ self._axes[:2, : vectors.shape[-1]].T)
 
     def _placed(self, points: Array, turn: float) -> Array:
@@ -254,27 +223,3 @@ def _view_of_blade(points: Array, size: float, view: View) -> tuple[Array, Array
     face = np.linalg.svd(points - middle, full_matrices=False)[2][2]  # normal to the blade
     face = face if face[2] >= 0.0 else -face
     return _axes(face - LEAN * out + SWING * np.cross(out, face), out), focus
-
-
-def body_of(
-    dataset: xr.Dataset,
-    records: IntArray,
-    factor: float | None,
-    *,
-    around: bool,
-    view: View | None = None,
-) -> Body:
-    """Return the beams of a result, or its surface; see `Triangles` for `around` and `view`, which
-    is oblique when None.
-
-    Raises:
-        ViewError: the factor or the view is invalid, or the result has no surface.
-    """
-    if view not in (None, *get_args(View)):
-        raise ViewError(f"view must be one of {', '.join(get_args(View))}, got {view!r}")
-    per_element = -(-RING_STATIONS // dataset.sizes.get("casing_node", 1))
-    if "rotor_line" in dataset:
-        if view not in (None, "axial"):
-            raise ViewError(f'view = "{view}": beams lie in a plane; expected "axial"')
-        return Beams(dataset, records, factor, per_element)
-    return Triangles(dataset, records, factor, per_element, around, view or "oblique")

@@ -20,10 +20,9 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.lost_blades import masked
-from bladewhirl.postprocess.fields.rigid_wall import with_wall
-from bladewhirl.postprocess.pictures.bodies import BEAM_STATIONS, COATING, body_of
+from bladewhirl.postprocess.pictures.bodies import COATING, Body
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
-from bladewhirl.postprocess.pictures.colouring import Stations, colouring
+from bladewhirl.postprocess.pictures.colouring import colouring
 from bladewhirl.postprocess.pictures.solids import METAL, behind
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
@@ -60,6 +59,9 @@ class Picture:
     casing: Ribbon
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn contact nodes (contact_node, 2) [m]
+    tip_values: Array
+    """True values of the field at contact nodes (contact_node,); NaN where it has none, and on
+    hidden nodes."""
     mark: Array  #: drawn mark on the first blade (2,) [m], which shows the rotation
     hidden: NDArray[np.bool_]
     """Whether each contact node, shaft and mark is lost or lies behind a part."""
@@ -80,7 +82,7 @@ class Drawing:
         frame: axes of the picture: in "static" axes the rotor turns, in "rotating" axes the casing
             turns backward. When None, "static", for a single blade "rotating".
         colour: field that colours rotor and wall, see `colouring`.
-        view: direction of the view of a surface, see `body_of`.
+        view: direction of the view of a surface, see `Body`.
 
     Raises:
         ViewError: the frame, the view, the field or the exaggeration is invalid, or a rotor without
@@ -99,13 +101,13 @@ class Drawing:
     ) -> None:
         if frame not in (None, "static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
-        dataset = with_wall(dataset)
         several = blade_count(dataset) > 1
         self.frame: Frame = frame or ("static" if several else "rotating")
         rotating = self.frame == "rotating"
         self.around = several or not rotating  #: whether the axis is in the picture
         self._dataset = dataset
-        self._body = body = body_of(dataset, records, exaggeration, around=self.around, view=view)
+        self._body = body = Body(dataset, records, exaggeration, around=self.around, view=view)
+        self.points = body.points  #: points of the bladed disk at rest
         self.triangles = body.triangles  #: points of each triangle of the surface (triangle, 3)
         self.solids = body.solids  #: triangles and colours of the solids
         if colour == "wear":  # of the coating, not of the wall behind it
@@ -132,7 +134,7 @@ class Drawing:
         self._lost = np.isnan(masked(dataset, every_tip)[records])
         per_element = len(stage.angle) // dataset.sizes.get("casing_node", 1)
         self.colouring = colouring(
-            dataset, colour, records, Stations(BEAM_STATIONS, per_element), rotating
+            dataset, body.points, colour, records, per_element, rotating=rotating
         )
 
     @property
@@ -149,17 +151,18 @@ class Drawing:
     def dots(self) -> list[str]:
         """Text with the meaning of the dots that are seen, if any; in a film the first blade turns
         into view."""
+        nodes = ["discs: contact nodes"] * bool(np.isfinite(self.colouring.nodes).any())
         if not self.around:
-            return []
+            return nodes
         centre, blade = self.picture(0).hidden[-2:]
         seen = ["centre"] * (not centre) + ["blade 0"] * (not blade or len(self) > 1)
-        return [f"dots: {' and '.join(seen)}"] if seen else []
+        return [*nodes, *([f"dots: {' and '.join(seen)}"] if seen else [])]
 
     def linear_limit(self) -> float | None:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
         displacements at these records are smaller."""
         limit = WRONG_BY_A_TENTH * self._blade_length
-        return limit if self._body.largest_bend > limit else None
+        return limit if self._body.stage.largest_bend > limit else None
 
     def reach(self) -> tuple[float, float]:
         """Return the largest distance of the drawn stage, and of tips in contact, from the middle
@@ -181,23 +184,24 @@ class Drawing:
     def picture(self, index: int) -> Picture:
         """Return the stage at the index-th of the chosen records."""
         turns = float(self._rotor_turn[index]), float(self._casing_turn[index])
-        shape, colours = self._body.shape(index, *turns), self.colouring
+        body, colours = self._body, self.colouring
+        shape, values = body.shape(index, *turns), colours.points[index]
         forces = self._forces[index]
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
         hidden = np.append(self._lost[index], [False, False])
         if len(shape.surface) and self.around:
             # The wall is cut open in front of the tips, whose nodes lie at its inner face.
             bodies = [(shape.surface, self.triangles)]
-            if len(shape.solids) > self._body.walls:
+            if len(shape.solids) > body.walls:
                 bodies.append((shape.solids[-1].points, self.solids[-1].triangles))
             corners = [points[triangles] for points, triangles in bodies]
             hidden |= behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
-        seen = self._body.seen(forces)
+        seen = body.seen(forces)
         seen[hidden[: len(seen)]] = 0.0
         return Picture(
             time=float(self.times[index]),
-            rotor=Ribbon(sides=shape.ribbons, values=colours.rotor[index]),
-            surface=Surface(points=shape.surface, values=colours.surface[index]),
+            rotor=Ribbon(sides=shape.ribbons, values=body.points.stations(values)),
+            surface=Surface(points=shape.surface, values=values[: len(shape.surface), 0]),
             solids=tuple(
                 Surface(
                     points=points,
@@ -212,6 +216,7 @@ class Drawing:
             ),
             shaft=shape.centre[:2],
             tips=shape.tips[:, :2],
+            tip_values=np.where(hidden[: len(seen)], np.nan, colours.nodes[index]),
             mark=shape.mark[:2],
             hidden=hidden,
             symbols=shape.symbols,

@@ -96,6 +96,11 @@ class StageScene:
             ]
             for _ in range(2)
         )
+        nodes = blades.size * bool(np.isfinite(drawing.colouring.nodes).any())
+        self._nodes = [
+            self._add(nodes * DISC_CORNERS, disc_triangles(nodes), layer=layer, color=colour)
+            for layer, colour in ((5.7, look.INK), (5.8, None))
+        ]
         self._discs = self._add(
             blades.size * DISC_CORNERS,
             disc_triangles(blades.size),
@@ -147,6 +152,14 @@ class StageScene:
             (self._mark, picture.mark, mark * look.MARK),
         ):
             _move(mesh, middle + share * circle)
+        known = np.isfinite(picture.tip_values)[:, None, None]
+        for mesh, share in zip(
+            self._nodes, (look.NODE_DISC + look.EDGE, look.NODE_DISC), strict=True
+        ):
+            if mesh.n_points:
+                _move(mesh, picture.tips[:, None] + share * known * circle)
+        if mesh.n_points:
+            self._colour(mesh, np.repeat(picture.tip_values, DISC_CORNERS))
         touching = np.any(picture.forces, axis=1)[:, None, None]
         _move(self._discs, picture.tips[:, None] + look.CONTACT_DISC * touching * circle)
         width = look.ARROW_WIDTH * self.size

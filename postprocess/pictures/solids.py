@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pyvista
-import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.plane import directions, unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.points import Points
 
 CORNERS = 4  #: number of corners of the cross-section of a tube
 HUB_STATIONS = 96
@@ -60,19 +60,19 @@ def tube_triangles(stations: int, *, ring: bool = False) -> IntArray:
 HUB = Solid(triangles=tube_triangles(HUB_STATIONS, ring=True), colour=METAL)
 
 
-def hub_of(dataset: xr.Dataset, points: Array, least: float) -> Array | None:
+def hub_of(points: Points, rest: Array, least: float) -> Array | None:
     """Return the points of a ring below separate blades, which their file does not contain; None
     for other structures, and for roots inside the radius `least` [m].
 
     Args:
-        dataset: result of a superelement.
-        points: points of all blades at rest (point, 3) [m].
+        points: points of the blades.
+        rest: their drawn places at rest (point, 3) [m].
         least: smallest radius of the roots [m].
     """
-    copies = dataset.sizes["copy"]
+    copies = len(points.copy_angle)
     if copies < 2:
         return None
-    each = points.reshape(copies, -1, 3)
+    each = rest.reshape(copies, -1, 3)
     radius = np.hypot(*each[0, :, :2].T)
     apart = KDTree(each[1]).query(each[0])[0].min()
     if apart < SAME * radius.max() or radius.min() < least:

@@ -15,10 +15,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
-from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
-from bladewhirl.postprocess.fields.nodes import point_blades
+from bladewhirl.postprocess.fields.points import Points
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon, arrows
@@ -62,12 +61,13 @@ def render_page(
         ],
         **(_orbit(dataset, drawing) if "centre_shape" in dataset else {}),
         "layout": layout,
-        "casingShades": drawing.colouring.rotor[0].size,
-        "surfaceShades": shades.shape[1] - layout["surface"][1],
+        "casingShades": drawing.picture(0).rotor.values.size,
+        "surfaceShades": shades.shape[1] - layout["surface"][1] - layout["tips"][1],
+        "nodeShades": shades.shape[1] - layout["tips"][1],
         "solidColours": [solid.colour for solid in drawing.solids if solid.colour],
         "marks": drawing.around,
         "bar": _bar(drawing, size),
-        **_members(dataset),
+        **_members(drawing.points),
     }
     colouring = drawing.colouring
     text = filled_template(
@@ -141,8 +141,8 @@ def _triangles(drawing: Drawing) -> tuple[IntArray, IntArray]:
 
 
 def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
-    """Return the shades of rotor, casing, surface and solids; those of solids with a colour of
-    their own follow the colours of the scale."""
+    """Return the shades of rotor, casing, surface, solids and contact nodes; those of solids with a
+    colour of their own follow the colours of the scale."""
     colouring = drawing.colouring
     bodies = picture.rotor.values, _wall(picture).values, picture.surface.values
     shades = [_shades(colouring, values.ravel()) for values in bodies]
@@ -153,7 +153,7 @@ def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
         else:
             shades.append(np.full(len(placed.points), following, dtype=np.uint8))
             following += 1
-    return np.concatenate(shades)
+    return np.concatenate([*shades, _shades(colouring, picture.tip_values)])
 
 
 def _wall(picture: Picture) -> Ribbon:
@@ -168,12 +168,12 @@ def _packed(values: NDArray[Any]) -> str:
     return base64.b64encode(zlib.compress(values.tobytes())).decode()
 
 
-def _members(dataset: xr.Dataset) -> dict[str, list[str]]:
+def _members(points: Points) -> dict[str, list[str]]:
     """Return the name of the member that each beam and each point of a surface belongs to."""
-    if "rotor_line" in dataset:
-        names, member = member_names(dataset)
-        return {"members": [names[number] for number in member], "ofPoints": []}
-    return {"members": [], "ofPoints": [f"blade {number}" for number in point_blades(dataset)]}
+    beams = points.stations(points.member)[:, 0]
+    of_points = points.member[: 0 if points.flat else None]
+    names = [[points.members[number] for number in numbers] for numbers in (beams, of_points)]
+    return dict(zip(("members", "ofPoints"), names, strict=True))
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
@@ -245,6 +245,7 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
         "hub": look.HUB * unit,
         "markSize": look.MARK * unit,
         "disc": look.CONTACT_DISC * unit,
+        "nodeDisc": look.NODE_DISC * unit,
         "mass": MASS * unit,
         "colours": colouring.colours(SHADES),
         "limits": list(colouring.limits),

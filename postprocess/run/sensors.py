@@ -34,8 +34,8 @@ from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_count, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.nodes import point_blades
 from bladewhirl.postprocess.fields.point_stresses import gauge_row, on_sectors
+from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.strains import surface_strain_rows
 from bladewhirl.postprocess.fields.windows import in_window
@@ -251,7 +251,7 @@ def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
     points, copies = dataset.sizes["point"], dataset.sizes["copy"]
     modal = np.kron(np.eye(copies), rows)  # a mistuned blade has the modes of the file
     by_force = np.kron(np.diag(1.0 / dataset["copy_stiffness"].values), pushed)
-    of_blades = point_blades(dataset)[(places + points * np.arange(copies)[:, None]).ravel()]
+    of_blades = points_of(dataset, 1).blade[(places + points * np.arange(copies)[:, None]).ravel()]
     wanted = np.arange(blade_count(dataset)) if gauge.blade == "all" else np.array([gauge.blade])
     if not np.isin(wanted, of_blades).all():
         raise ViewError(

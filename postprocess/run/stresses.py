@@ -20,7 +20,7 @@ from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.lost_blades import Lost, lost_blades
+from bladewhirl.postprocess.fields.lost_blades import Lost, lost_beams, lost_blades
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
@@ -181,7 +181,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     lost = lost_blades(dataset)
     if lost is not None:
         stations = len(rotor.radius) // len(order)
-        gone = np.flatnonzero(np.isin(order, lost.lines))
+        gone = np.flatnonzero(np.isin(order, lost_beams(dataset, lost).lines))
         points = (stations * gone[:, None] + np.arange(stations)).ravel()
         rotor = rotor._replace(lost=lost, lost_points=points)
     rotor_names = [names[number] for number in present]

@@ -12,12 +12,8 @@ from scipy.spatial import KDTree
 
 from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.nodes import (
-    placed_contact_nodes,
-    placed_points,
-    point_blades,
-)
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
+from bladewhirl.postprocess.fields.points import contact_nodes, points_of
 from bladewhirl.postprocess.fields.result import portions
 
 PORTION_BYTES = 3e7  #: size of the stresses computed in one matrix product [bytes]
@@ -44,9 +40,10 @@ def surface_stresses(dataset: xr.Dataset) -> SurfaceStresses:
     Args:
         dataset: result of a superelement with stresses.
     """
-    stresses, blade, places = PointStresses(dataset), point_blades(dataset), placed_points(dataset)
+    stresses, points = PointStresses(dataset), points_of(dataset, 1)
+    blade, places = points.blade, points.rest
     blades, time = blade_count(dataset), dataset["time"].values
-    distance = KDTree(placed_contact_nodes(dataset)).query(places)[0]
+    distance = KDTree(contact_nodes(dataset)).query(places)[0]
     order = np.argsort(blade, kind="stable")
     order = order[distance[order] > NEAR * blade_length(dataset)]
     starts = np.searchsorted(blade[order], np.arange(blades))

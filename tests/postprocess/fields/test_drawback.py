@@ -45,7 +45,7 @@ def bent(*changes: str) -> tuple[xr.Dataset, Foreshortening]:
 
 
 def enlarged(result: xr.Dataset, records: list[int]) -> EnlargedStage:
-    return EnlargedStage(result, np.array(records), factor=FACTOR, per_line=4, per_element=40)
+    return EnlargedStage(result, np.array(records), factor=FACTOR, pieces=4, per_element=40)
 
 
 def radii(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -64,9 +64,10 @@ def test_tips_are_drawn_back_by_the_opening_of_the_gap(around: bool) -> None:
     blade = np.unique(lines[line_blades(result) == 0])
     blade = blade[np.argsort(radii(result["rotor_point"].values[blade]))]
     for index, opened in enumerate(opening):
-        drawn = radii(straight.rotor_nodes(index)) - radii(stage.rotor_nodes(index))
+        places = [each.points(index) for each in (straight, stage)]
+        drawn = radii(places[0]) - radii(places[1])
+        along = stage.body.stations(drawn)
         np.testing.assert_allclose(drawn[tip], FACTOR * opened, rtol=1e-4, atol=1e-9)
-        along = radii(straight.rotor_line(index)) - radii(stage.rotor_line(index))
         np.testing.assert_allclose(along[:, [0, -1]], drawn[lines], atol=1e-15)
         assert (np.diff(drawn[blade]) > 0.0).all()  # from root to tip
 
@@ -83,7 +84,7 @@ def test_the_drawn_gap_is_the_recorded_gap(around: bool) -> None:
     """Without foreshortening in the picture, the gap of the first blade would be wrong by 20 %."""
     result, _ = bent(f"contact.tip_rotation={str(around).lower()}")
     stage = enlarged(result, [0])
-    tips, wall = stage.rotor_nodes(0)[result["tip_node"].values], stage.wall(0)[:, 0]
+    tips, wall = stage.contact_nodes(0), stage.wall(0)[:, 0]
     angle = np.arctan2(tips[:, 1], tips[:, 0]) + stage.turns[0]
     facing = np.interp(angle, np.arctan2(wall[:, 1], wall[:, 0]), radii(wall), period=2 * np.pi)
     gap = (facing - radii(tips)) / FACTOR

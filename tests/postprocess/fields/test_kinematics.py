@@ -130,7 +130,7 @@ def test_the_drawn_wall_closes_with_the_casing(result: xr.Dataset) -> None:
     closing = result.assign_attrs(case='casing.closure = { table = [["0 s", 0], ["1 s", "1 mm"]] }')
     records = np.array([0, 100])
     first, later = (
-        EnlargedStage(data, records, factor=10.0, per_line=1, per_element=1).wall(1)
+        EnlargedStage(data, records, factor=10.0, pieces=1, per_element=1).wall(1)
         for data in (result, closing)
     )
     lost = 10.0 * 1e-3 * result["time"].values[100]

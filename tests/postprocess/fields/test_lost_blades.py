@@ -18,8 +18,7 @@ from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.energy.strain import family_energies, strain_energies
 from bladewhirl.postprocess.fields.by_blade import contact_motion
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
-from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
-from bladewhirl.postprocess.fields.lost_blades import lost_blades
+from bladewhirl.postprocess.fields.lost_blades import lost_beams, lost_blades
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.blade_contact import contact_maps
@@ -48,15 +47,15 @@ def test_lost_blades_vanish_from_pictures(run: tuple[xr.Dataset, dict[str, float
     result, _ = run
     lost = lost_blades(result)
     assert lost is not None
-    assert len(lost.lines) == 14  # seven of ten beams of each blade
+    lines = lost_beams(result, lost).lines
+    assert len(lines) == 14  # seven of ten beams of each blade
     records = np.array([50, 99, 100, 150])
-    stage = EnlargedStage(result, records, factor=10.0, per_line=4, per_element=4)
-    lengths = np.array(
-        [np.linalg.norm(np.diff(stage.rotor_line(n), axis=1), axis=2).sum(1) for n in range(4)]
-    )
+    stage = EnlargedStage(result, records, factor=10.0, pieces=4, per_element=4)
+    drawn = [stage.body.stations(stage.points(n)) for n in range(4)]
+    lengths = np.linalg.norm(np.diff(drawn, axis=2), axis=3).sum(2)
     assert (lengths[:2] > 0.01).all()
-    assert (lengths[2:][:, lost.lines] == 0.0).all()
-    others = np.setdiff1d(np.arange(lengths.shape[1]), lost.lines)
+    assert (lengths[2:][:, lines] == 0.0).all()
+    others = np.setdiff1d(np.arange(lengths.shape[1]), lines)
     assert (lengths[2:][:, others] > 0.01).all()
 
 
@@ -126,11 +125,11 @@ def test_lost_3d_blades_vanish(tmp_path: Path) -> None:
     assert np.isnan(moved[gone][:, 3:6]).all()
     assert np.isfinite(moved[~gone]).all()
     assert np.isfinite(moved[gone][:, [0, 1, 2, 6, 7, 8]]).all()
-    stage = EnlargedSurface(result, np.array([100, 400]), factor=2.0, per_element=1)
-    sizes = [np.ptp(stage.points(n)[stage.blade == 1], axis=0).max() for n in range(2)]
+    stage = EnlargedStage(result, np.array([100, 400]), factor=2.0, pieces=1, per_element=1)
+    sizes = [np.ptp(stage.points(n)[stage.body.blade == 1], axis=0).max() for n in range(2)]
     assert sizes[0] > 0.03
     assert sizes[1] == 0.0
-    assert np.ptp(stage.points(1)[stage.blade == 2], axis=0).max() > 0.03
+    assert np.ptp(stage.points(1)[stage.body.blade == 2], axis=0).max() > 0.03
 
 
 def test_lost_3d_blades_have_no_stress(tmp_path: Path) -> None:

@@ -7,11 +7,11 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.pictures.choices import Field
-from bladewhirl.postprocess.pictures.colouring import Colouring, Stations, colouring
+from bladewhirl.postprocess.pictures.colouring import Colouring, colouring
 
-STATIONS = Stations(2, 9)
 RECORDS = np.array([0, 1])
 SHIFT: dict[str, Any] = {
     "rotor_displacement": (3e-3, 4e-3, 0, 0, 0),
@@ -19,20 +19,23 @@ SHIFT: dict[str, Any] = {
 }
 
 
-def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> Colouring:
-    colours = colouring(result, field, RECORDS, STATIONS, rotating)
+def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> tuple[Colouring, Array]:
+    """Colouring, and the values of beams in it (record, line, station, side)."""
+    points = points_of(result, 2)
+    colours = colouring(result, points, field, RECORDS, 9, rotating=rotating)
+    beams = np.array([points.stations(values) for values in colours.points])
     lines, nodes = result.sizes["rotor_line"], result.sizes["casing_node"]
-    assert colours.rotor.shape == (2, lines, 3, 2)
+    assert beams.shape == (2, lines, 3, 2)
     assert colours.casing.shape == (2, nodes * 9, 2)
-    return colours
+    return colours, beams
 
 
 def test_magnitudes_of_motion() -> None:
-    colours = coloured(
+    colours, beams = coloured(
         synthetic.resting(rotor_velocity=(3.0, 4.0, 0, 0, 0), casing_velocity=(1, 0, 0, 0)),
         "velocity",
     )
-    np.testing.assert_allclose(colours.rotor, 5.0)
+    np.testing.assert_allclose(beams, 5.0)
     np.testing.assert_allclose(colours.casing, 1.0, rtol=1e-5)
     assert (colours.unit, colours.limits, colours.signed) == ("m/s", (0.0, 5.0), False)
 
@@ -42,43 +45,41 @@ def test_a_velocity_is_the_rate_in_the_axes_of_the_picture() -> None:
     stands aside turns back when seen from the rotor.
     """
     for rotating, rotor, casing in ((False, 5e-3, 0.0), (True, 0.0, 1e-3)):
-        colours = coloured(synthetic.resting(**SHIFT), "velocity", rotating=rotating)
-        np.testing.assert_allclose(colours.rotor, synthetic.SPEED * rotor)
+        colours, beams = coloured(synthetic.resting(**SHIFT), "velocity", rotating=rotating)
+        np.testing.assert_allclose(beams, synthetic.SPEED * rotor)
         np.testing.assert_allclose(colours.casing, synthetic.SPEED * casing, rtol=1e-5)
 
 
 def test_deformation_is_displacement_beyond_a_shift() -> None:
-    colours = coloured(synthetic.resting(**SHIFT), "deformation")
-    np.testing.assert_allclose(colours.rotor, 0.0, atol=1e-15)
+    colours, beams = coloured(synthetic.resting(**SHIFT), "deformation")
+    np.testing.assert_allclose(beams, 0.0, atol=1e-15)
     np.testing.assert_allclose(colours.casing, 0.0, atol=1e-8)  # cubics follow a circle
     bent = SHIFT | {"rotor_displacement": (3e-3, 4e-3, 0, 1e-4, 0)}
     bent["casing_displacement"] = (1e-3, 0, 2e-4, 0)
-    colours = coloured(synthetic.resting(**bent), "deformation")
-    assert (colours.rotor.max(), colours.casing.max()) == pytest.approx((1e-4, 2e-4), rel=1e-3)
+    colours, beams = coloured(synthetic.resting(**bent), "deformation")
+    assert (beams.max(), colours.casing.max()) == pytest.approx((1e-4, 2e-4), rel=1e-3)
 
 
 def test_bending_is_opposite_at_the_two_sides() -> None:
     result = synthetic.resting(rotor_displacement=(0, 0, 0, 1e-3, 0))
-    colours = coloured(result, "bending-strain")
+    colours, beams = coloured(result, "bending-strain")
     blade = int(np.flatnonzero(result["rotor_part"].values == "blades")[0])  # on +x, to +y
     curvature = 1e-3 * 3 / (synthetic.TIP_RADIUS - synthetic.DISK_RADIUS) ** 2  # at its root
     right = 0.010 / 2 * curvature
-    np.testing.assert_allclose(colours.rotor[0, blade, 0], [right, -right], rtol=1e-9)
+    np.testing.assert_allclose(beams[0, blade, 0], [right, -right], rtol=1e-9)
     assert colours.limits[0] == -colours.limits[1]
     assert colours.limits[1] >= colours.scale * colours.largest
-    stress = coloured(result, "stress")
-    np.testing.assert_allclose(stress.rotor[0, blade, 0, 0], synthetic.YOUNG_MODULUS * right)
-    np.testing.assert_allclose(coloured(result, "axial-strain").rotor, 0.0, atol=1e-12)
+    _, stress = coloured(result, "stress")
+    np.testing.assert_allclose(stress[0, blade, 0, 0], synthetic.YOUNG_MODULUS * right)
+    np.testing.assert_allclose(coloured(result, "axial-strain")[1], 0.0, atol=1e-12)
 
 
-def test_every_blade_has_the_gap_of_its_tip() -> None:
+def test_every_contact_node_has_its_gap() -> None:
+    """What has no gap is not coloured: neither beams nor the wall."""
     result = synthetic.synthetic_result(records=2)
-    colours = coloured(result, "gap")
-    part = result["rotor_part"].values
-    blades = colours.rotor[:, part == "blades"].reshape(2, 22, -1)
-    np.testing.assert_array_equal(blades, blades[:, :, :1] + 0 * blades)
-    np.testing.assert_array_equal(blades[:, :, 0], result["gap"].values)
-    assert np.isnan(colours.rotor[:, part != "blades"]).all()
+    colours, beams = coloured(result, "gap")
+    np.testing.assert_array_equal(colours.nodes, result["gap"].values)
+    assert np.isnan(beams).all()
     assert np.isnan(colours.casing).all()
 
 
@@ -86,4 +87,4 @@ def test_unknown_fields_are_refused() -> None:
     with pytest.raises(
         ViewError, match="colour must be one of displacement, deformation, velocity"
     ):
-        colouring(synthetic.resting(), "heat", RECORDS, STATIONS, False)  # type: ignore[arg-type]
+        coloured(synthetic.resting(), "heat")  # type: ignore[arg-type]

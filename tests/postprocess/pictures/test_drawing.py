@@ -142,8 +142,9 @@ def test_a_short_blade_touches_where_it_does_in_the_run(growth: float) -> None:
     unit = result["rotor_point"].values[tip] / (synthetic.TIP_RADIUS - recess)
     result["tip_recess"] -= growth
     result["tip_recess"][blade] += recess
+    result["contact_radius"][blade] -= recess
     rest = draw(result).picture(0)
-    inner = synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE
+    inner = synthetic.TIP_RADIUS - growth + FACTOR * synthetic.CLEARANCE
     gaps = inner - np.linalg.norm(rest.tips, axis=1)
     expected = np.full(22, FACTOR * (synthetic.CLEARANCE - growth))
     expected[blade] += FACTOR * recess

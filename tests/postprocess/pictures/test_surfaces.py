@@ -15,7 +15,7 @@ from web_pages import page, part
 import bladewhirl as bw
 from bladewhirl.meshes.plane import unit
 from bladewhirl.postprocess.fields.kinematics import ViewError, contact_forces
-from bladewhirl.postprocess.fields.nodes import frame_meshes, point_blades
+from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.paraview.node_parts import NodeParts
 from bladewhirl.postprocess.pictures.appearance import time_text
 from bladewhirl.postprocess.pictures.bodies import TOWARDS, WALL_STATIONS
@@ -52,6 +52,10 @@ def single(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     return marched(tmp_path_factory.mktemp("single"), 1)
 
 
+def series(dataset: xr.Dataset, records: Any, *, rotating: bool = True) -> list[Any]:
+    return [*NodeParts(dataset, records, surface=False, rotating=rotating).grids()]
+
+
 @pytest.mark.parametrize("frame", ["static", "rotating"])
 def test_the_drawn_gap_is_the_factor_times_the_gap(three: xr.Dataset, frame: Any) -> None:
     drawing = Drawing(three, RECORDS, exaggeration=FACTOR, frame=frame)
@@ -76,8 +80,8 @@ def test_the_drawn_gap_is_the_factor_times_the_gap(three: xr.Dataset, frame: Any
 def test_points_swing_along_arcs_and_have_the_true_colour(three: xr.Dataset) -> None:
     drawing = Drawing(three, RECORDS, exaggeration=FACTOR, frame="rotating")
     stage: Any = drawing._stage
-    for index, record in enumerate(RECORDS):
-        mesh = frame_meshes(three, int(record), rotating=True)["blades"]
+    for index, grids in enumerate(series(three, RECORDS)):
+        mesh = grids["blades"]
         moved = mesh.point_data["displacement"]
         values = drawing.picture(index).surface.values
         np.testing.assert_allclose(values, np.linalg.norm(moved, axis=1), rtol=1e-12)
@@ -248,16 +252,17 @@ def test_the_series_has_the_wall_as_a_solid_and_the_wear_of_each_track(
 )
 def test_fields_of_surfaces(three: xr.Dataset, colour: Any, unit: str) -> None:
     colouring = Drawing(three, RECORDS, colour=colour, frame="static").colouring
-    assert colouring.surface.shape == (3, 54)
+    assert colouring.points.shape == (3, 54, 2)
     assert colouring.unit in (unit, "µm")
     if colour == "velocity":
-        before, after = (frame_meshes(three, r, rotating=False)["blades"] for r in (39, 41))
+        both = series(three, np.array([39, 41]), rotating=False)
+        before, after = (grids["blades"] for grids in both)
         moved = after.point_data["displacement"] - before.point_data["displacement"]
         rate = np.linalg.norm(moved, axis=1) / float(three["time"][41] - three["time"][39])
-        np.testing.assert_allclose(colouring.surface[1], rate, atol=0.1 * rate.max())
+        np.testing.assert_allclose(colouring.points[1, :, 0], rate, atol=0.1 * rate.max())
     if colour == "gap":
-        gap = three["gap"].values[RECORDS].reshape(3, 3, 3).min(axis=2)
-        np.testing.assert_array_equal(colouring.surface, np.repeat(gap, 18, axis=1))
+        np.testing.assert_array_equal(colouring.nodes, three["gap"].values[RECORDS])
+        assert np.isnan(colouring.points).all()  # is known at contact nodes only
     if colour == "part":
         assert list(colouring.parts or {}) == ["bladed disk", "casing"]
         assert np.all(colouring.casing == 1.0)
@@ -275,12 +280,12 @@ def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Pat
         scale = drawn[:, 0] @ points[:, 0] / (points[:, 0] @ points[:, 0])
         np.testing.assert_allclose(drawn, scale * points, atol=1.0 / FULL)
         assert scale * drawing.reach()[0] < 1.0
-    assert about["ofPoints"] == [f"blade {n}" for n in point_blades(three)]
-    assert about["surfaceShades"] + len(points) == shades.shape[1]
+    assert about["ofPoints"] == [f"blade {n}" for n in points_of(three, 1).blade]
+    assert about["surfaceShades"] + len(points) == about["nodeShades"] == shades.shape[1] - 9
     assert about["layout"]["casing"][1] == 0  # the wall is a solid
     with_colour = [solid.colour for solid in drawing.solids if solid.colour]
     assert about["solidColours"] == with_colour == [METAL]
-    assert shades[0, -1] == len(about["colours"])  # the first colour after those of the scale
+    assert shades[0, -10] == len(about["colours"])  # the first colour after those of the scale
     assert "orbit" not in about  # blades without a common centre
     assert about["marks"]
 
@@ -289,8 +294,11 @@ def test_points_of_a_wheel_have_the_blade_of_the_nearest_contact_node(three: xr.
     wheel = three.isel(copy=[0], rotor_mode=slice(three.sizes["mode"]))
     angles = wheel["tip_angle"].values
     places = 0.2 * np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=-1)
-    wheel = wheel.drop_dims("point").assign(point=(("point", "xyz"), places))
-    assert point_blades(wheel).tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
+    shape = np.zeros((9, 3, three.sizes["mode"]))
+    wheel = wheel.drop_dims(["point", "triangle"], errors="ignore").assign(
+        point=(("point", "xyz"), places), point_shape=(("point", "xyz", "mode"), shape)
+    )
+    assert points_of(wheel, 1).blade.tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
 
 
 @pytest.mark.usefixtures("can_draw")

@@ -44,23 +44,25 @@ def test_places_are_those_of_the_drawing(result: xr.Dataset, tmp_path: Path) -> 
 
 def test_shades_are_true_values(result: xr.Dataset, tmp_path: Path) -> None:
     about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="stress"))
-    colouring = Drawing(result, RECORDS, colour="stress").colouring
+    drawing = Drawing(result, RECORDS, colour="stress")
+    beams = [drawing.picture(index).rotor.values for index in range(3)]
     low, high = about["limits"]
     values = low + (high - low) * shades[:, : about["casingShades"]] / (len(about["colours"]) - 1)
-    true = colouring.scale * colouring.rotor.reshape(3, -1)
+    true = drawing.colouring.scale * np.reshape(beams, (3, -1))
     np.testing.assert_allclose(values, true, atol=0.51 * (high - low) / (len(about["colours"]) - 1))
     assert len(about["members"]) == result.sizes["rotor_line"]
 
 
 def test_missing_values_and_parts(result: xr.Dataset, tmp_path: Path) -> None:
     about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="gap"))
-    assert np.all(shades[:, about["casingShades"] :] == NONE)
+    assert np.all(shades[:, : about["nodeShades"]] == NONE)  # only contact nodes have a gap
+    assert np.all(shades[:, about["nodeShades"] :] != NONE)
     about, _, shades = page(render_page(result, tmp_path / "b.html", RECORDS, colour="part"))
     text = (tmp_path / "b.html").read_text(encoding="utf-8")
     key = re.findall(r'<div class="key"><i style="background: (#\w+)"></i>(\w+)</div>', text)
     assert [name for _, name in key] == ["spokes", "rim", "blades", "casing"]
     assert [colour for colour, _ in key] == about["colours"]
-    assert np.unique(shades).tolist() == [0, 1, 2, 3]
+    assert np.unique(shades).tolist() == [0, 1, 2, 3, NONE]  # contact nodes are no part
 
 
 TITLES = ["<b>a & b</b></script>", "<!--<script>", "@PLACES@ {{ about }}", "\u2028 ' \" \\"]

@@ -76,7 +76,7 @@ def test_series_turn_by_the_angle(result: xr.Dataset, tmp_path: Path) -> None:
     export_vtk(result, tmp_path, records=records)
     angles = rotation.angles(result)[records]
     assert EnlargedStage(
-        result, records, factor=1.0, per_line=1, per_element=1
+        result, records, factor=1.0, pieces=1, per_element=1
     ).turns == pytest.approx(angles)
     places = []
     for n in range(2):

@@ -12,7 +12,6 @@ import xarray as xr
 from exported_stage import Kind, same_stage
 
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
-from bladewhirl.postprocess.fields.enlarged_surface import EnlargedSurface
 from bladewhirl.postprocess.pictures.appearance import shaft_trail
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.figures import RunFigures
@@ -111,13 +110,14 @@ def test_pictures_are_the_same() -> None:
     """A surface in its wall is drawn where the beams are: tips, wall, and the orbit of a wheel."""
     (beams, _, _), (solid, _, _) = marched("wheel")
     records = np.array([100, 200, 300])
-    drawn = EnlargedStage(beams, records, factor=30.0, per_line=1, per_element=3)
-    other = EnlargedSurface(solid, records, factor=30.0, per_element=3)
-    tips = beams["tip_node"].values
+    drawn, other = (
+        EnlargedStage(each, records, factor=30.0, pieces=1, per_element=3)
+        for each in (beams, solid)
+    )
     for index in range(len(records)):
-        nodes, wall = drawn.rotor_nodes(index)[tips], drawn.wall(index)
-        assert np.abs(nodes - drawn.nodes[tips]).max() > 1e-4
-        np.testing.assert_allclose(other.contact_nodes(index)[:, :2], nodes, atol=1e-8)
+        nodes, wall = drawn.contact_nodes(index), drawn.wall(index)
+        assert np.abs(nodes - drawn.nodes).max() > 1e-4
+        np.testing.assert_allclose(other.contact_nodes(index), nodes, atol=1e-8)
         np.testing.assert_allclose(other.wall(index), wall, atol=1e-8)
     for frame in ("static", "rotating"):
         one, same = (shaft_trail(each, records, frame) for each in (beams, solid))

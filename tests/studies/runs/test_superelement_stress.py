@@ -20,7 +20,8 @@ from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement, dense
 from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
-from bladewhirl.postprocess.pictures.colouring import Stations, colouring
+from bladewhirl.postprocess.fields.points import points_of
+from bladewhirl.postprocess.pictures.colouring import colouring
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.studies.runs.prepare import prepare
@@ -327,10 +328,10 @@ def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
         assert "stress" in figures.kinds
         figure, _ = figures.draw("stress")
         assert len(figure.axes) == 2
-        stations = Stations(1, 1)
-        shown = colouring(result, "stress", records[:3], stations, rotating=True)
+        points = points_of(result, 1)
+        shown = colouring(result, points, "stress", records[:3], 1, rotating=True)
         assert (shown.name, shown.unit, shown.signed) == ("von Mises stress", "MPa", False)
-        np.testing.assert_allclose(shown.surface, everywhere[:3])
+        np.testing.assert_allclose(shown.points[..., 0], everywhere[:3])
     rows = summary_rows(run.summary)
     assert "von Mises stress away from contact nodes" in rows["stress of bladed disk, largest"]
     assert "with centrifugal stress" in rows["stress of bladed disk, largest"]
