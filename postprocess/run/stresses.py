@@ -8,20 +8,20 @@ stress, see `point_stresses`.
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.spatial import KDTree
 
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.fields.blades import member_names
-from bladewhirl.postprocess.fields.by_blade import blade_count
+from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.lost_blades import Lost, lost_beams, lost_blades
-from bladewhirl.postprocess.fields.point_stresses import has_stresses
+from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
+from bladewhirl.postprocess.fields.points import Points, contact_nodes, points_of
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
     Strains,
@@ -32,7 +32,6 @@ from bladewhirl.postprocess.fields.strains import (
 from bladewhirl.postprocess.fields.windows import in_window, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.run.surface_stresses import SurfaceStresses, surface_stresses
 
 CASING_PIECES = 4
 """Number of pieces of a casing element. Strains are computed at the ends of the pieces, because
@@ -42,6 +41,12 @@ PORTION_BYTES = 4e6  #: size of the strains computed in one matrix product [byte
 CACHED_BYTES = 1e6
 """Size of the strains whose extremes are computed together [bytes]; it fits into the cache of a
 processor core."""
+
+SOLID_BYTES = 3e7  #: size of the stresses of solids computed in one matrix product [bytes]
+
+NEAR = 0.1
+"""Distance from the nearest contact node, divided by the length of a blade, up to which points of
+solids are left out."""
 
 COLUMNS = 1000  #: largest number of time spans of a curve; the largest value of a span is drawn
 UNITS = {
@@ -58,18 +63,67 @@ PEAKS = {"peak_stress": "Pa", "peak_time": "s", "peak_radius": "m"}
 """Extremes of every member, with their units."""
 
 
-class _Body(NamedTuple):
-    """Rotor or casing; points are the stations along its elements, which are sorted by members."""
+class _Portion(Protocol):
+    """Stresses of a body at a few records; points are sorted by members."""
 
-    history: str  #: name of the variable with the modal displacements
-    axial: Array  #: axial strains for unit modal coordinates (point, mode)
-    bending: Array  #: bending strains for unit modal coordinates (point, mode)
-    modulus: Array  #: (point, 1) [Pa]
-    radius: Array  #: radius in the undeformed body (point,) [m]
+    @property
+    def size(self) -> Array:
+        """Largest magnitude of the stress at a surface [Pa], (point, record)."""
+
+    def sign(self, point: int, record: int) -> float:
+        """Return the sign of the stress of this magnitude."""
+
+    def extremes(self, starts: IntArray) -> dict[str, Array]:
+        """Return histories of members (member, record) by their names in `UNITS`, from the first
+        point of each member."""
+
+
+class _BeamPortion(NamedTuple):
+    """Axial strain and magnitude of the bending strain of beams [1], (point, record), with Young's
+    modulus (point, 1) [Pa]."""
+
+    axial: Array
+    bending: Array
+    modulus: Array
+
+    @property
+    def size(self) -> Array:
+        return np.asarray(self.modulus * (np.abs(self.axial) + self.bending))
+
+    def sign(self, point: int, record: int) -> float:
+        return 1.0 if self.axial[point, record] >= 0 else -1.0
+
+    def extremes(self, starts: IntArray) -> dict[str, Array]:
+        stress, bent = self.modulus * self.axial, self.modulus * self.bending
+        return {
+            "axial_strain": _largest(self.axial, starts),
+            "axial_stress": _largest(stress, starts),
+            "bending_strain": _maximum(self.bending, starts),
+            "bending_stress": _maximum(bent, starts),
+            "largest_stress": _maximum(stress + bent, starts),
+            "smallest_stress": -_maximum(bent - stress, starts),
+        }
+
+
+class _SolidPortion(NamedTuple):
+    """Von Mises stress at the surface of solids."""
+
+    size: Array  #: (point, record) [Pa]
+
+    def sign(self, point: int, record: int) -> float:
+        return 1.0
+
+    def extremes(self, starts: IntArray) -> dict[str, Array]:
+        return {"largest_stress": _maximum(self.size, starts)}
+
+
+class _Body(NamedTuple):
+    """Bladed disk or casing."""
+
+    radius: Array  #: radius of each point in the undeformed body, sorted by members (point,) [m]
     starts: IntArray  #: first point of each member
-    columns: slice  #: range of the members of this body among the members of both bodies
-    lost: Lost | None = None  #: blades that are lost, if any; their stress is then zero
-    lost_points: IntArray = np.zeros(0, dtype=np.int64)  #: points that are lost with them
+    columns: IntArray  #: numbers of these members among those of both bodies
+    portions: Iterator[tuple[slice, _Portion]]  #: records, and the stresses at them
 
 
 def stress_history(
@@ -103,35 +157,22 @@ def stress_history(
     time = dataset["time"].values
     out = {name: np.full((len(time), len(names)), np.nan) for name in UNITS}
     peak = {name: np.zeros(len(names)) for name in PEAKS}
-    for body, portion, axial, bending in _strains(dataset, bodies):
-        stress, bent = body.modulus * axial, body.modulus * bending
-        extremes = {
-            "axial_strain": _largest(axial, body.starts),
-            "axial_stress": _largest(stress, body.starts),
-            "bending_strain": _maximum(bending, body.starts),
-            "bending_stress": _maximum(bent, body.starts),
-            "largest_stress": _maximum(stress + bent, body.starts),
-            "smallest_stress": -_maximum(bent - stress, body.starts),
-        }
-        for name, values in extremes.items():
-            out[name][portion, body.columns] = values.T
-        _note_peaks(peak, body, time[portion], axial, bending)
-    if has_stresses(dataset):
-        surface = surface_stresses(dataset)
-        out["largest_stress"][:, : len(surface.peak)] = surface.largest
-        _add_surface(peak, surface)
+    for body in bodies:
+        for records, portion in body.portions:
+            for name, values in portion.extremes(body.starts).items():
+                out[name][records, body.columns] = values.T
+            _note_peaks(peak, body, time[records], portion)
     plane = ("time", "member")
     return labelled(
         dataset,
-        f"stresses, linear, {measure_of(dataset)}",
+        f"stresses, linear, {about(dataset)['measure']}",
         {
             **{name: (plane, values, UNITS[name]) for name, values in out.items()},
             **{name: ("member", values, PEAKS[name]) for name, values in peak.items()},
         },
         {"time": time, "member": names},
         blades=blade_count(dataset),
-        measure=measure_of(dataset),
-        steady=int("steady_stress" in dataset),
+        **about(dataset),
     )
 
 
@@ -139,111 +180,108 @@ def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
     """Compute only `peak_stress`, `peak_time` and `peak_radius` of `stress_history`."""
     names, bodies = _bodies(dataset)
     peak = {name: np.zeros(len(names)) for name in PEAKS}
-    for body, portion, axial, bending in _strains(dataset, bodies):
-        _note_peaks(peak, body, dataset["time"].values[portion], axial, bending)
-    if has_stresses(dataset):
-        _add_surface(peak, surface_stresses(dataset))
+    for body in bodies:
+        for records, portion in body.portions:
+            _note_peaks(peak, body, dataset["time"].values[records], portion)
     variables = {name: ("member", values) for name, values in peak.items()}
-    about = {"measure": measure_of(dataset), "steady": int("steady_stress" in dataset)}
-    return xr.Dataset(variables, {"member": names}, about)
+    return xr.Dataset(variables, {"member": names}, about(dataset))
 
 
-def measure_of(dataset: xr.Dataset) -> str:
-    """Return the measure of the largest stress of the bladed disk: that of beam theory, or the von
-    Mises stress at the surface of a superelement, see `surface_stresses`."""
-    return "von Mises stress away from contact nodes" if has_stresses(dataset) else "beam theory"
-
-
-def _add_surface(peak: dict[str, Array], surface: SurfaceStresses) -> None:
-    blades = slice(len(surface.peak))
-    for name, values in zip(PEAKS, surface[1:], strict=True):
-        peak[name][blades] = values
+def about(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the measure of the largest stress of the bladed disk, that of beam theory or the von
+    Mises stress at the surface of solids, and whether it has the stress of steady rotation."""
+    solid = has_stresses(dataset)
+    return {
+        "measure": "von Mises stress away from contact nodes" if solid else "beam theory",
+        "steady": int("steady_stress" in dataset),
+    }
 
 
 def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
-    if has_stresses(dataset):
-        names = [f"blade {number}" for number in range(blade_count(dataset))]
-        if "casing_displacement" not in dataset:
-            return names, []
-        return [*names, "casing"], [_casing(dataset, len(names))]
-    names, member = member_names(dataset)
-    order = np.argsort(member, kind="stable")
-    present = np.unique(member)
-    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
-    rotor = _body(
-        "rotor_displacement",
-        Strains(*(row[order] for row in rotor_strain_rows(dataset))),
-        rotor_sections(dataset, "young_modulus", 1)[order],
-        np.linalg.norm(ends[order], axis=-1),
-        member[order],
-        first=0,
-    )
-    lost = lost_blades(dataset)
-    if lost is not None:
-        stations = len(rotor.radius) // len(order)
-        gone = np.flatnonzero(np.isin(order, lost_beams(dataset, lost).lines))
-        points = (stations * gone[:, None] + np.arange(stations)).ravel()
-        rotor = rotor._replace(lost=lost, lost_points=points)
-    rotor_names = [names[number] for number in present]
+    """Return the names of the members of both bodies, and the bodies."""
+    points = points_of(dataset, 1)
+    rotor = _solid(dataset, points) if has_stresses(dataset) else _beams(dataset, points)
+    used = np.unique(points.member[points.member >= 0])
+    names = [points.members[number] for number in used]
+    bodies = [rotor._replace(columns=np.searchsorted(used, rotor.columns))]
     if "casing_displacement" not in dataset:  # a rigid wall
-        return rotor_names, [rotor]
-    return [*rotor_names, "casing"], [rotor, _casing(dataset, len(present))]
-
-
-def _casing(dataset: xr.Dataset, first: int) -> _Body:
-    """Return the flexible casing; `first` is its position among the members."""
-    nodes = dataset.sizes["casing_node"]
-    return _body(
-        "casing_displacement",
-        casing_strain_rows(dataset, CASING_PIECES),
-        dataset["casing_young_modulus"].values[:, None],
-        np.full((nodes, CASING_PIECES + 1), dataset.attrs["casing_radius"]),
-        np.zeros(nodes, dtype=np.int64),
-        first=first,
+        return names, bodies
+    modulus = dataset["casing_young_modulus"].values[:, None]
+    shape = dataset.sizes["casing_node"], CASING_PIECES + 1
+    rows = Strains(*(_flat(row) for row in casing_strain_rows(dataset, CASING_PIECES)))
+    modulus = np.broadcast_to(modulus, shape).reshape(-1, 1)
+    casing = _Body(
+        np.full(len(modulus), float(dataset.attrs["casing_radius"])),
+        np.zeros(1, dtype=np.int64),
+        np.array([len(names)]),
+        _strains(dataset, "casing_displacement", rows, modulus),
     )
+    return [*names, "casing"], [*bodies, casing]
 
 
-def _body(
-    history: str, rows: Strains, modulus: Array, radius: Array, member: IntArray, *, first: int
-) -> _Body:
-    """Return the rotor or the casing from values at the points of each element, (element, point).
+def _beams(dataset: xr.Dataset, points: Points) -> _Body:
+    """Return the bladed disk of beams."""
+    first = len(points.rest) - points.thickness.size
+    order = np.argsort(points.member[first:], kind="stable")
+    members, starts = np.unique(points.member[first:][order], return_index=True)
+    rows = Strains(*(_flat(row)[order] for row in rotor_strain_rows(dataset)))
+    modulus = rotor_sections(dataset, "young_modulus", 1).reshape(-1, 1)[order]
+    lost = np.flatnonzero(np.isin(order + first, points.lost))
+    portions = _strains(dataset, "rotor_displacement", rows, modulus, (points.lost_from, lost))
+    radius = np.linalg.norm(points.rest[first:][order], axis=-1)
+    return _Body(radius, starts, members, portions)
 
-    `member` is the number of the member (such as a blade) of each element, `first` the position of
-    the first member of this body among the members of both bodies.
-    """
-    stations = rows.axial.shape[1]
-    starts = stations * np.flatnonzero(np.diff(member, prepend=-1))
-    return _Body(
-        history,
-        rows.axial.reshape(-1, rows.axial.shape[-1]),
-        rows.bending.reshape(-1, rows.bending.shape[-1]),
-        np.broadcast_to(modulus, radius.shape).reshape(-1, 1),
-        radius.ravel(),
-        starts,
-        slice(first, first + len(starts)),
-    )
+
+def _solid(dataset: xr.Dataset, points: Points) -> _Body:
+    """Return the surface of solids, without points near contact nodes, on which the stress of a
+    fine mesh has no limit."""
+    distance = KDTree(contact_nodes(dataset)).query(points.rest)[0]
+    order = np.argsort(points.blade, kind="stable")
+    order = order[distance[order] > NEAR * blade_length(dataset)]
+    blades, starts = np.unique(points.blade[order], return_index=True)
+
+    def values() -> Iterator[tuple[slice, _Portion]]:
+        stresses = PointStresses(dataset)
+        for read in portions(dataset, stresses.together(SOLID_BYTES)):
+            yield read, _SolidPortion(stresses.at(np.arange(read.start, read.stop))[:, order].T)
+
+    return _Body(np.hypot(*points.rest[order, :2].T), starts, blades, values())
+
+
+def _flat(rows: Array) -> Array:
+    """Return rows of elements and their stations as rows of points."""
+    return np.asarray(rows.reshape(-1, rows.shape[-1]))
 
 
 def _strains(
-    dataset: xr.Dataset, bodies: list[_Body]
-) -> Iterator[tuple[_Body, slice, Array, Array]]:
-    """Yield axial strain and magnitude of the bending strain, (point, record), for a few records at
-    a time."""
-    for body in bodies:
-        together, cached = (
-            max(1, int(size / (8 * len(body.radius)))) for size in (PORTION_BYTES, CACHED_BYTES)
-        )
-        for read in portions(dataset, together):
-            coordinates = dataset[body.history].isel(time=read).values.T
-            axial, bending = body.axial @ coordinates, body.bending @ coordinates
-            if body.lost is not None:
-                gone = np.flatnonzero(body.lost.gone(dataset["time"].values[read]))
-                axial[np.ix_(body.lost_points, gone)] = 0.0
-                bending[np.ix_(body.lost_points, gone)] = 0.0
-            for first in range(0, axial.shape[1], cached):
-                part = slice(first, first + cached)
-                portion = slice(read.start + first, min(read.start + part.stop, read.stop))
-                yield body, portion, axial[:, part], np.abs(bending[:, part])
+    dataset: xr.Dataset,
+    history: str,
+    rows: Strains,
+    modulus: Array,
+    lost: tuple[float, IntArray] = (np.inf, np.zeros(0, dtype=np.int64)),
+) -> Iterator[tuple[slice, _Portion]]:
+    """Yield the strains of beams for a few records at a time.
+
+    Args:
+        dataset: a result.
+        history: name of the variable with the modal displacements.
+        rows: strains of the points for unit modal coordinates (point, mode).
+        modulus: Young's modulus at the points (point, 1) [Pa].
+        lost: time from which points are lost [s], and these points, whose strain is then zero.
+    """
+    together, cached = (
+        max(1, int(size / (8 * len(modulus)))) for size in (PORTION_BYTES, CACHED_BYTES)
+    )
+    for read in portions(dataset, together):
+        coordinates = dataset[history].isel(time=read).values.T
+        axial, bending = rows.axial @ coordinates, rows.bending @ coordinates
+        gone = np.flatnonzero(dataset["time"].values[read] >= lost[0])
+        axial[np.ix_(lost[1], gone)] = 0.0
+        bending[np.ix_(lost[1], gone)] = 0.0
+        for first in range(0, axial.shape[1], cached):
+            part = slice(first, first + cached)
+            records = slice(read.start + first, min(read.start + part.stop, read.stop))
+            yield records, _BeamPortion(axial[:, part], np.abs(bending[:, part]), modulus)
 
 
 def _maximum(values: Array, starts: IntArray) -> Array:
@@ -257,18 +295,16 @@ def _largest(values: Array, starts: IntArray) -> Array:
     return np.where(high >= -low, high, low)
 
 
-def _note_peaks(
-    peak: dict[str, Array], body: _Body, time: Array, axial: Array, bending: Array
-) -> None:
+def _note_peaks(peak: dict[str, Array], body: _Body, time: Array, portion: _Portion) -> None:
     """Update the peak stresses of the members of a body with a portion of records."""
-    size = body.modulus * (np.abs(axial) + bending)
+    size = portion.size
     ranges = pairwise([*body.starts, len(size)])
-    for column, (first, end) in enumerate(ranges, body.columns.start):
+    for column, (first, end) in zip(body.columns, ranges, strict=True):
         stress = size[first:end]
         point, record = np.unravel_index(int(stress.argmax()), stress.shape)
         if stress[point, record] <= abs(peak["peak_stress"][column]):
             continue
-        sign = 1.0 if axial[first + point, record] >= 0 else -1.0
+        sign = portion.sign(first + int(point), int(record))
         peak["peak_stress"][column] = sign * stress[point, record]
         peak["peak_time"][column] = time[record]
         peak["peak_radius"][column] = body.radius[first + point]
