@@ -159,18 +159,19 @@ def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]
 
 
 def tip_rows(dataset: xr.Dataset) -> Array:
-    """Return radial and tangential displacements of the contact nodes for unit modal coordinates,
-    (component, contact_node, rotor_mode), positive outward and counter-clockwise.
+    """Return radial, tangential and axial displacements of the contact nodes for unit modal
+    coordinates, (component, contact_node, rotor_mode), positive outward and counter-clockwise.
     """
     if "contact_shape" in dataset:
         shape, copies = dataset["contact_shape"].values, dataset.sizes["copy"]
-        own = shape.reshape(copies, -1, *shape.shape[1:])[:, :, :2]
+        own = shape.reshape(copies, -1, *shape.shape[1:])
         rows = np.einsum("cnam,cd->acndm", own, np.eye(copies))
-        return np.asarray(rows.reshape(2, len(shape), -1))
+        return np.asarray(rows.reshape(3, len(shape), -1))
     angle = dataset["tip_angle"].values
     axes = directions(angle), np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
     shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
-    return np.stack([np.einsum("bd,bdm->bm", axis, shapes) for axis in axes])
+    rows = np.stack([np.einsum("bd,bdm->bm", axis, shapes) for axis in axes])
+    return np.concatenate([rows, 0.0 * rows[:1]])  # beams do not move along the axis
 
 
 def contact_vectors(dataset: xr.Dataset, records: IntArray) -> Array:
@@ -178,9 +179,8 @@ def contact_vectors(dataset: xr.Dataset, records: IntArray) -> Array:
     some records [m], (record, contact_node, 3), with the part of their own flexibility."""
     if "contact_displacement" in dataset:
         return history(dataset, "contact_displacement", records)
-    rows = tip_rows(dataset)
-    moved = np.einsum("rm,dnm->rnd", history(dataset, "rotor_displacement", records), rows)
-    return np.pad(moved, ((0, 0), (0, 0), (0, 1)))
+    coordinates = history(dataset, "rotor_displacement", records)
+    return np.asarray(np.einsum("rm,dnm->rnd", coordinates, tip_rows(dataset)))
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:

@@ -98,8 +98,14 @@ def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None
         arrays: arrays that describe the stage.
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
-    values = {**arrays.stored, **(motion or {})}
-    return xr.Dataset({name: _entry(schema.RESULT[name], each) for name, each in values.items()})
+    return described({**arrays.stored, **(motion or {})})
+
+
+def described(values: Mapping[str, Any]) -> xr.Dataset:
+    """Return values by the names of a result, with their dimensions and units; empty ones are left
+    out."""
+    given = {name: each for name, each in values.items() if np.size(each)}
+    return xr.Dataset({name: _entry(schema.RESULT[name], each) for name, each in given.items()})
 
 
 def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str, str]]:

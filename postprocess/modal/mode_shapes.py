@@ -1,8 +1,11 @@
 """Pictures of mode shapes (the paper's Fig. 6): undeformed and deformed body, and its centre."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -11,7 +14,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.enlarged import magnify
-from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, tip_rows
+from bladewhirl.postprocess.fields.kinematics import casing_rows, ring_angles, tip_rows
+from bladewhirl.postprocess.fields.points import points_of
+from bladewhirl.postprocess.modal.surface_shapes import DRAWN, SurfaceShape
 from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -21,14 +26,12 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 
-DRAWN = 0.2  #: largest displacement in a picture, divided by the radius
 BEAM_PIECES = 4  #: largest number of straight pieces by which the Hermite curve of a beam is drawn
 MOST_PIECES = 16_000
 """Largest number of pieces in all beams of the bladed disk; with many beams, each beam has fewer
 than `BEAM_PIECES`."""
 
 RING_POINTS = 360  #: least number of drawn points of the casing
-COLUMNS = 6  #: largest number of panels side by side
 #: number of pictures of a travelling wave over a quarter of its period, including both ends
 INSTANTS = 4
 PURE = 0.9995
@@ -50,23 +53,22 @@ class Outline:
     As in `enlarged`, the mean displacement of the body is a shift along a straight line, and the
     remaining displacement is drawn along arcs about the shifted centre: bent blades keep their
     length.
+
+    Args:
+        rest: points of the undeformed lines (lines, stations, 2) [m].
+        rows: displacements of these points for unit modal coordinates (points, 2, modes).
+        shift: mean displacement of the body (2, modes).
+        radius: radius of the body [m].
     """
 
-    def __init__(self, data: xr.Dataset, body: Body) -> None:
-        if body == "bladed-disk":
-            pieces = min(BEAM_PIECES, max(1, MOST_PIECES // data.sizes["rotor_line"]))
-            stations, rows = line_rows(data, pieces)
-            self.rest = stations
-            self._rows = rows.reshape(-1, 2, rows.shape[-1])
-            self._shift = data["rotor_shape"].values[int(data["centre_node"]), :2]
-            self.radius = float(data.attrs["tip_radius"])
-        else:
-            angle = ring_angles(data, -(-RING_POINTS // data.sizes["casing_node"]))
-            angle = np.append(angle, angle[0])
-            self.radius = float(data.attrs["casing_radius"])
-            self.rest = self.radius * directions(angle)[None]
-            self._rows = rotate(casing_rows(data, angle), angle[:, None], axis=1)
-            self._shift = self._rows[:-1].mean(axis=0)
+    columns = 6  #: largest number of panels side by side
+    projection = "rectilinear"  #: kind of the panels
+    text_below = 0.022  #: height of the text below a panel [m]
+
+    def __init__(
+        self, rest: FloatArray, rows: FloatArray, shift: FloatArray, radius: float
+    ) -> None:
+        self.rest, self._rows, self._shift, self.radius = rest, rows, shift, radius
 
     def largest(self, coordinates: FloatArray) -> float:
         """Return the largest displacement of any point for all `coordinates` (..., modes)."""
@@ -86,92 +88,110 @@ class Outline:
         magnitude = np.linalg.norm(self._rows @ coordinates, axis=-1).reshape(self.rest.shape[:2])
         return np.asarray(0.5 * (magnitude[:, 1:] + magnitude[:, :-1]))
 
-    def centre(self, coordinates: FloatArray, factor: float) -> FloatArray:
-        """Return the drawn centre, (2,) [m]."""
-        return np.asarray(factor * self._shift @ coordinates)
+    def centre_share(self, coordinates: FloatArray) -> float | None:
+        """Return the displacement of the centre by the largest displacement; None if the motion of
+        the centre is not known."""
+        return float(np.linalg.norm(self._shift @ coordinates) / self.largest(coordinates))
+
+    def draw(self, axes: Axes, coordinates: FloatArray, motion: FloatArray) -> ScalarMappable:
+        """Draw the body: undeformed in grey, deformed with the displacement as colour.
+
+        Args:
+            axes: the panel.
+            coordinates: modal coordinates of the drawn instant (modes,).
+            motion: modal coordinates of all instants (..., modes), which determine the size of the
+                panel and the largest displacement, to which colours and drawn displacements refer.
+
+        Returns:
+            the deformed body, for the colour bar.
+        """
+        largest = self.largest(motion)
+        factor = DRAWN * self.radius / largest
+        axes.add_collection(LineCollection([*self.rest], color=COLOURS["rest"], linewidth=0.4))
+        points = self.moved(coordinates, factor)
+        pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
+        lines = LineCollection(
+            [*pieces.reshape(-1, 2, 2)], cmap=SEQUENTIAL, norm=Normalize(0.0, 1.0), linewidth=0.8
+        )
+        lines.set_array((self.size(coordinates) / largest).ravel())
+        axes.add_collection(lines)
+        axes.plot(
+            0.0, 0.0, "x", color=COLOURS["total"], markersize=2.5, zorder=4, label="centre at rest"
+        )
+        centre = factor * self._shift @ coordinates
+        axes.plot(*centre, "o", color=COLOURS["k = 1"], markersize=3.6, label="centre displaced")
+        drawn = [self.moved(instant, factor) for instant in np.atleast_2d(motion)]
+        reach = MARGIN * max(self.radius, np.linalg.norm(drawn, axis=-1).max())
+        axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+        axes.set_axis_off()
+        return lines
+
+    def describe(self, axes: Axes, name: str, words: list[str]) -> None:
+        """Write the name of a mode above a panel and further lines below it."""
+        axes.set_title(name)
+        below: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "top"}
+        axes.text(0.5, -0.02, "\n".join(words), **below)
 
 
-def draw_shape(
-    axes: Axes, outline: Outline, coordinates: FloatArray, motion: FloatArray
-) -> LineCollection:
-    """Draw a body: undeformed in grey, deformed with the displacement as colour.
-
-    Args:
-        axes: the panel.
-        outline: lines of the body.
-        coordinates: modal coordinates of the drawn instant (modes,).
-        motion: modal coordinates of all instants (..., modes), which determine the size of the
-            panel and the largest displacement, to which colours and drawn displacements refer.
-
-    Returns:
-        the deformed lines, for the colour bar.
-    """
-    largest = outline.largest(motion)
-    factor = DRAWN * outline.radius / largest
-    axes.add_collection(LineCollection([*outline.rest], color=COLOURS["rest"], linewidth=0.4))
-    points = outline.moved(coordinates, factor)
-    pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
-    lines = LineCollection(
-        [*pieces.reshape(-1, 2, 2)], cmap=SEQUENTIAL, norm=Normalize(0.0, 1.0), linewidth=0.8
-    )
-    lines.set_array((outline.size(coordinates) / largest).ravel())
-    axes.add_collection(lines)
-    axes.plot(
-        0.0, 0.0, "x", color=COLOURS["total"], markersize=2.5, zorder=4, label="centre at rest"
-    )
-    centre = outline.centre(coordinates, factor)
-    axes.plot(*centre, "o", color=COLOURS["k = 1"], markersize=3.6, label="centre displaced")
-    drawn = [outline.moved(instant, factor) for instant in np.atleast_2d(motion)]
-    reach = MARGIN * max(outline.radius, np.linalg.norm(drawn, axis=-1).max())
-    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
-    axes.set_axis_off()
-    return lines
+def shape_of(data: xr.Dataset, body: Body) -> Outline | SurfaceShape:
+    """Return what is drawn of a body: lines, or a surface."""
+    if body == "casing":
+        angle = ring_angles(data, -(-RING_POINTS // data.sizes["casing_node"]))
+        angle, radius = np.append(angle, angle[0]), float(data.attrs["casing_radius"])
+        rows = rotate(casing_rows(data, angle), angle[:, None], axis=1)
+        return Outline(radius * directions(angle)[None], rows, rows[:-1].mean(axis=0), radius)
+    pieces = min(BEAM_PIECES, max(1, MOST_PIECES // data.sizes.get("rotor_line", 1)))
+    points = points_of(data, pieces)
+    if not points.flat:
+        return SurfaceShape(points)
+    rest, rows = points.stations(points.rest)[..., :2], points.stations(points.shape)[:, :, :2]
+    rows = rows.reshape(-1, *rows.shape[2:])
+    return Outline(rest, rows, points.centre, float(data.attrs["tip_radius"]))
 
 
 @styled
 def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     """Draw the mode shapes of a body from `motion.shapes_dataset` side by side (the paper's Fig.
-    6).
+    6): lines, or displaced surfaces; surfaces of many triangles as points.
 
-    A cross marks the centre at rest, a dot the displaced centre; the centre of the casing moves by
-    the mean displacement of the casing. The text below each shape gives the frequency, the
-    displacement of the centre in percent of the largest displacement of the mode, the purity and,
-    for whirling modes, the directions of travel in the rotating and in the static frame.
+    Of lines, a cross marks the centre at rest, a dot the displaced centre; the centre of the casing
+    moves by the mean displacement of the casing. The text at each shape gives what the tips do, the
+    frequency, the displacement of the centre in percent of the largest displacement of the mode,
+    the purity and, for whirling modes, the directions of travel in the rotating and in the static
+    frame.
     """
     prefix = "rotor" if body == "bladed-disk" else "casing"
-    modes = data.sizes[f"{prefix}_mode"]
-    rows = -(-modes // COLUMNS)
+    modes, shape = data.sizes[f"{prefix}_mode"], shape_of(data, body)
+    rows = -(-modes // shape.columns)
     columns = -(-modes // rows)
     figure = new_figure(
-        width=FULL_WIDTH, height=0.022 + rows * (0.85 * FULL_WIDTH / columns + 0.022)
+        width=FULL_WIDTH, height=0.022 + rows * (0.85 * FULL_WIDTH / columns + shape.text_below)
     )
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    outline = Outline(data, body)
+    panels = [
+        figure.add_subplot(rows, columns, mode + 1, projection=shape.projection)
+        for mode in range(modes)
+    ]
     for mode, axes in enumerate(panels):
-        if mode >= modes:
-            axes.set_axis_off()
-            continue
         coordinates = np.eye(modes)[mode]
-        lines = draw_shape(axes, outline, coordinates, coordinates)
-        mode_data = data.isel({f"{prefix}_mode": mode})
-        share = float(
-            np.linalg.norm(outline.centre(coordinates, 1.0)) / outline.largest(coordinates)
-        )
-        moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
-        purity = float(mode_data[f"{prefix}_purity"])
-        k = int(mode_data[f"{prefix}_nodal_diameter"])
-        axes.set_title(mode_title(str(mode_data[f"{prefix}_family"].values), k, purity))
-        words = [*_frequency(data, float(mode_data[f"{prefix}_frequency"])).split(" = "), moves]
-        if purity < PURE:
-            words.append(f"k = {k}: {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
+        drawn = shape.draw(axes, coordinates, coordinates)
+        row = data.isel({f"{prefix}_mode": mode})
+        purity, k = float(row[f"{prefix}_purity"]), int(row[f"{prefix}_nodal_diameter"])
+        does = str(row["rotor_tip_motion"].values) if body == "bladed-disk" else ""
+        words = [does, *_frequency(data, float(row[f"{prefix}_frequency"])).split(" = ")]
+        share = shape.centre_share(coordinates)
+        if share is not None:
+            moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
+            words.append(moves)
+        if 0 <= k and purity < PURE:
+            words.append(f"k = {k}: {100 * purity:.0f} %")
         if f"{prefix}_direction" in data:
-            words.append(str(mode_data["rotor_direction"].values))
-            words.append(f"static: {mode_data['rotor_direction_static'].values}")
-        below = {"transform": axes.transAxes, "ha": "center", "va": "top"}
-        axes.text(0.5, -0.02, "\n".join(words), **below)
+            words.append(str(row["rotor_direction"].values))
+            words.append(f"static: {row['rotor_direction_static'].values}")
+        name = mode_title(str(row[f"{prefix}_family"].values), k, purity if k >= 0 else 1.0)
+        shape.describe(axes, name, [*filter(None, words)])
     figure.colorbar(
-        lines,
-        ax=[*panels],
+        drawn,
+        ax=panels,
         location="right",
         label="displacement / largest one [–]",
         shrink=0.8,
@@ -192,17 +212,17 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     coordinates = data[f"{prefix}_displacement"].values
     figure = new_figure(width=FULL_WIDTH, height=0.062)
     panels = figure.subplots(1, INSTANTS)
-    outline = Outline(data, body)
+    shape = shape_of(data, body)
     k = int(data[f"{prefix}_nodal_diameter"].values[0])
     crests = "tips furthest ahead, ↺" if body == "bladed-disk" else "wall furthest out"
     for number, axes in enumerate(panels):
         record = len(coordinates) * number // (4 * (INSTANTS - 1))
-        lines = draw_shape(axes, outline, coordinates[record], coordinates)
+        drawn = shape.draw(axes, coordinates[record], coordinates)
         _mark_crests(axes, _crest(data, prefix, coordinates[record], k), k, f"crest: {crests}")
         degrees = 90 * number // (INSTANTS - 1)
         axes.set_title("start" if not number else f"{degrees}° of its period")
     figure.colorbar(
-        lines, ax=[*panels], label="displacement / largest [–]", shrink=0.8, ticks=[0, 1]
+        drawn, ax=[*panels], label="displacement / largest [–]", shrink=0.8, ticks=[0, 1]
     )
     frame = "rotating frame" if body == "bladed-disk" else "static frame"
     hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))

@@ -6,23 +6,27 @@ times cos(omega t) plus the sine mode times sin(omega t) travels forward; the co
 cos(omega t) minus the sine mode times sin(omega t) travels backward.
 """
 
+from dataclasses import replace
 from functools import singledispatch
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
+from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.coupling.stage_modes import StageModes
+from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.whirl_modes import Direction, WhirlModes, in_sense_of_rotation
-from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, line_rows, tip_rows
-from bladewhirl.postprocess.fields.result import stage_dataset
-from bladewhirl.postprocess.modal.point_shapes import casing_shapes, point_arrays, point_shapes
+from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, tip_rows
+from bladewhirl.postprocess.fields.points import points_of
+from bladewhirl.postprocess.fields.result import described, stage_dataset
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 
 Wave = Direction
@@ -42,8 +46,9 @@ def mode_motion(
     With Coriolis forces a mode of the bladed disk is a whirling mode, which has a direction of its
     own.
 
-    The largest displacement equals the clearance, or a thousandth of the tip radius if the
-    clearance is zero. The body to which the mode does not belong is at rest.
+    The amplitude of a mode is arbitrary: the largest displacement equals the clearance, or a
+    thousandth of the tip radius if the clearance is zero, and the attribute `normalised` is 1. The
+    body to which the mode does not belong is at rest.
 
     Args:
         stage: bladed disk and casing in their modes.
@@ -62,7 +67,7 @@ def mode_motion(
     """
     on_disk = body == "bladed-disk"
     arrays = _arrays_of(stage, body, numbers)
-    attributes = _attributes(stage, arrays)
+    attributes = _attributes(stage, float(arrays.contact_radius.max()))
     fixed = stage_dataset(arrays).assign_attrs(attributes)
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
@@ -82,60 +87,101 @@ def mode_motion(
     for name, position, velocity in zip(("rotor", "casing"), displaced, rates, strict=True):
         if position.size:  # a rigid wall has no modes
             motion |= {f"{name}_displacement": position, f"{name}_velocity": velocity}
-    if "contact_shape" in fixed:
-        motion["contact_displacement"] = _contact_displacement(fixed, displaced[0])
-    return stage_dataset(arrays, motion).assign_attrs(attributes, title=title, wave=wave, speed=0.0)
+    return stage_dataset(arrays, motion).assign_attrs(
+        attributes, title=title, wave=wave, speed=0.0, normalised=1
+    )
 
 
-@singledispatch
 def shapes_dataset(stage: ModalModel, body: Body, numbers: IntArray) -> xr.Dataset:
-    """Return a Dataset with shapes of some modes of a body: at points of the bladed disk, or at the
-    nodes of the casing.
-
-    Args:
-        stage: bladed disk and casing in their modes.
-        body: body whose modes are returned.
-        numbers: numbers of the modes; of each pair only one number.
-    """
-    return point_shapes(stage, numbers) if body == "bladed-disk" else casing_shapes(stage, numbers)
-
-
-@shapes_dataset.register
-def _(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
     """Return a Dataset with shapes and purities of some modes of a body, and with the directions of
     travel of whirling modes.
 
     Args:
-        stage: finite element models with their modes.
+        stage: bladed disk and casing in their modes.
         body: body whose modes are returned. Modes of the bladed disk with Coriolis forces are
             whirling modes; the shape of a whirling mode is its real part.
         numbers: numbers of the modes; of each pair only one number.
     """
-    arrays = _arrays_of(stage, body, numbers)
-    data = stage_dataset(arrays).assign_attrs(_attributes(stage, arrays))
     if body == "casing":
-        return data.assign(casing_purity=("casing_mode", stage.casing_modes.purity[numbers]))
-    if stage.disk_whirl is None:
-        return data.assign(rotor_purity=("rotor_mode", stage.disk_modes.purity[numbers]))
-    whirl = stage.disk_whirl.take(numbers)
-    rotating, static = whirl.named_directions(stage.speed)
-    return data.isel(rotor_mode=slice(None, None, 2)).assign(
-        rotor_purity=("rotor_mode", whirl.purity),
-        rotor_direction=("rotor_mode", list(rotating)),
-        rotor_direction_static=("rotor_mode", list(static)),
+        assert stage.casing is not None
+        modes = stage.casing_modes
+        data = described(casing_arrays(stage.casing, modes.take(numbers)))
+        purity = ("casing_mode", modes.purity[numbers])
+        radius = float(stage.casing.mesh.radius)
+        return data.assign(casing_purity=purity).assign_attrs(_attributes(stage, radius))
+    arrays, listed = _arrays_of(stage, body, numbers), stage.listed_modes
+    data = stage_dataset(arrays).assign_attrs(
+        _attributes(stage, float(arrays.contact_radius.max()))
+    )
+    if isinstance(listed, WhirlModes):  # two fields of each mode
+        first = slice(None, None, 2)
+        data = data.isel({"rotor_mode": first, "mode": first}, missing_dims="ignore")
+        ways = [np.array(way)[numbers] for way in listed.named_directions(stage.speed)]
+        data = data.assign(
+            rotor_direction=("rotor_mode", ways[0]), rotor_direction_static=("rotor_mode", ways[1])
+        )
+    motions = stage.tip_motions(listed)
+    return data.assign(
+        rotor_purity=("rotor_mode", listed.purity[numbers]),
+        rotor_family=("rotor_mode", [listed.family[i] for i in numbers]),
+        rotor_tip_motion=("rotor_mode", [motions[i] for i in numbers]),
     )
 
 
 @singledispatch
-def _arrays_of(stage: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
-    """Return the arrays of a stage with some modes of one body, see `mode_motion`."""
-    return point_arrays(stage, body, numbers)
+def _arrays_of(model: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
+    """Return the arrays of a stage with some modes of one body, see `mode_motion`; the other body
+    has one mode, which stays at rest.
+
+    The bladed disk is one copy with the points of its modes: the whole structure, or one of several
+    separate blades.
+
+    Args:
+        model: bladed disk whose `points` are not None.
+        body: body whose modes are taken.
+        numbers: number of a single mode, numbers of the cosine and the sine mode of a pair, or
+            number of a whirling mode, which has two fields.
+    """
+    disk = numbers if body == "bladed-disk" else np.zeros(1, dtype=np.int64)
+    shapes, listed = model.points(disk), model.listed_modes
+    assert shapes is not None
+    fields = shapes.displacement.real
+    if isinstance(listed, WhirlModes):
+        fields = np.stack([fields, -shapes.displacement.imag], axis=1).reshape(
+            -1, *fields.shape[1:]
+        )
+    stage, position = shapes.stage, shapes.position
+    first = stage.blade == 0 if len(stage.copy_angle) > 1 else np.full(len(stage.blade), True)
+    radius, angle = stage.contact_radius[first], stage.tip_angle[first]
+    nodes = np.column_stack([radius[:, None] * directions(angle), stage.axial_position[first]])
+    moved = fields[:, KDTree(position).query(nodes)[1]]
+    names = ("blade", "node", "tip_angle", "contact_radius", "axial_position", "tip_recess")
+    walls: dict[str, Any] = {}
+    if model.casing is not None:
+        wall = numbers if body == "casing" else np.zeros(1, dtype=np.int64)
+        walls = casing_arrays(model.casing, model.casing_modes.take(wall))
+    return replace(
+        stage,
+        **{name: getattr(stage, name)[first] for name in names},
+        stress_shape=np.zeros(0),
+        stress_by_force=np.zeros(0),
+        steady_stress=np.zeros(0),
+        copy_stiffness=np.zeros(0),
+        **walls,
+        rotor_frequency=np.repeat(listed.frequency[disk], len(fields) // len(disk)),
+        rotor_nodal_diameter=np.repeat(listed.nodal_diameter[disk], len(fields) // len(disk)),
+        contact_shape=np.moveaxis(rotate(moved, -angle), 0, -1),
+        copy_angle=np.zeros(1),
+        point=position,
+        point_shape=np.moveaxis(fields, 0, -1),
+        centre_shape=np.zeros(0),
+        gauge_shape=np.zeros(0),
+        gauge_by_force=np.zeros(0),
+    )
 
 
 @_arrays_of.register
 def _(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
-    """Return the arrays of a stage with some modes of one body; the other body has one mode, which
-    stays at rest."""
     resting = np.zeros(1, dtype=np.int64)
     if body == "casing":
         return stage.arrays(resting, numbers)
@@ -177,7 +223,7 @@ def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) 
     }
     arrays = stage.modal.arrays(rotor_modes, wall_modes)
     return stage_dataset(arrays, in_time).assign_attrs(
-        _attributes(stage.modal, arrays),
+        _attributes(stage.modal, float(arrays.contact_radius.max())),
         title="coupled mode",
         speed=motion.speed,
         record_step=float(motion.time[1] - motion.time[0]),
@@ -215,8 +261,7 @@ def shown_clearance(stage: ModalStage) -> float:
     return stage.case.casing.clearance or SHARE_OF_RADIUS * stage.case.tip_radius
 
 
-def _attributes(stage: ModalModel, arrays: StageArrays) -> dict[str, Any]:
-    tip_radius = float(arrays.contact_radius.max())
+def _attributes(stage: ModalModel, tip_radius: float) -> dict[str, Any]:
     casing = stage.casing
     return {
         "case": stage.case.title,
@@ -244,10 +289,8 @@ def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, 
 def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float:
     """Return the largest displacement of a body over all points and times, for coordinates
     (pictures, modes)."""
-    if body == "bladed-disk" and "point_shape" in geometry:
-        rows = geometry["point_shape"].values
-    elif body == "bladed-disk":
-        rows = line_rows(geometry, BEAM_STATIONS)[1]
+    if body == "bladed-disk":
+        rows = points_of(geometry, BEAM_STATIONS).shape
     else:
         rows = casing_rows(geometry, geometry["casing_angle"].values)
     return float(np.linalg.norm(rows @ coordinates.T, axis=-2).max())
@@ -261,15 +304,7 @@ def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatA
     gap = clearance_at(geometry, angle)
     if casing.size:
         gap = gap + casing @ casing_rows(geometry, angle)[:, 0].T
-    if "contact_shape" in geometry:
-        return np.asarray(gap - _contact_displacement(geometry, rotor)[..., 0])
     return np.asarray(gap - rotor @ tip_rows(geometry)[0].T)
-
-
-def _contact_displacement(geometry: xr.Dataset, rotor: FloatArray) -> FloatArray:
-    """Return radial, tangential and axial displacements of contact nodes (pictures, contact nodes,
-    3) for coordinates (pictures, modes)."""
-    return np.asarray(np.einsum("cdm,tm->tcd", geometry["contact_shape"].values, rotor))
 
 
 def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:

@@ -30,6 +30,7 @@ from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.node_parts import NodeParts
 from bladewhirl.postprocess.paraview.parts import StageParts
 from bladewhirl.postprocess.pictures.bodies import TOWARDS
+from bladewhirl.postprocess.pictures.colouring import is_normalised
 
 logger = logging.getLogger(__name__)
 
@@ -213,6 +214,7 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts | NodeParts
         "size": parts.size,
         "towards": TOWARDS["axial" if isinstance(parts, StageParts) else "oblique"],
         "parts": parts.names,
+        "scale": "displacement [m]" + ", arbitrary" * is_normalised(dataset),
     }
 
 

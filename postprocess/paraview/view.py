@@ -45,7 +45,7 @@ def main() -> None:
     colours.NanColor = [0.13, 0.15, 0.18]
     shown.SetScalarBarVisibility(view, True)
     bar = simple.GetScalarBar(colours, view)
-    bar.Title, bar.ComponentTitle = "displacement [m]", ""
+    bar.Title, bar.ComponentTitle = SERIES["scale"], ""
     bar.TitleColor = bar.LabelColor = [0.13, 0.15, 0.18]
 
     if SERIES["largest_force"]:

@@ -115,20 +115,23 @@ def bar_text(length: float, enlarged: str, factor: float, metres_per_newton: flo
 
     Args:
         length: length of the bar [m].
-        enlarged: quantities that are drawn larger.
+        enlarged: quantities that are drawn larger; "" if none has a size.
         factor: their factor.
         metres_per_newton: length of the arrow of a force; 0 without arrows.
     """
     lines = [handy(length, "m", 4)]
-    if factor != 1:
+    if factor != 1 and enlarged:
         lines.append(f"{handy(length / factor, 'm', 3)} of {enlarged}")
     if metres_per_newton:
         lines.append(f"{handy(length / metres_per_newton, 'N', 3)} of force")
     return "\n".join(lines)
 
 
-def enlargement(factor: float) -> str:
-    """Return the text that states the `factor` of displacement and clearance."""
+def enlargement(factor: float, *, normalised: bool = False) -> str:
+    """Return the text that states the `factor` of displacement and clearance, or that the amplitude
+    of a `normalised` motion is arbitrary."""
+    if normalised:
+        return "normalised:\nthe amplitude of a mode\nis arbitrary"
     if factor == 1:
         return "true size"
     return f"displacement and clearance\ndrawn {factor:g} times as large"

@@ -148,8 +148,16 @@ def colouring(
         lit=not points.flat,
         signed=found.signed,
     )
-    handy = ("m/s", 1.0) if field == "velocity" else handy_unit(made.largest, found.unit)
-    return replace(made, unit=handy[0], scale=handy[1])
+    if is_normalised(dataset):
+        name, scale = f"{found.name} / largest one", 1.0 / (made.largest or 1.0)
+        return replace(made, name=name, unit="\N{EN DASH}", scale=scale)
+    unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(made.largest, found.unit)
+    return replace(made, unit=unit, scale=scale)
+
+
+def is_normalised(dataset: xr.Dataset) -> bool:
+    """Return whether the amplitude of a motion is arbitrary, as that of a mode."""
+    return bool(dataset.attrs.get("normalised", 0))
 
 
 def _magnitudes(

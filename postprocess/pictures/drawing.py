@@ -22,7 +22,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.pictures.bodies import COATING, Body
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
-from bladewhirl.postprocess.pictures.colouring import colouring
+from bladewhirl.postprocess.pictures.colouring import colouring, is_normalised
 from bladewhirl.postprocess.pictures.solids import METAL, behind
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
@@ -120,6 +120,7 @@ class Drawing:
         self.records = records
         self.exaggeration = stage.factor
         self.largest_displacement = stage.largest_displacement
+        self.normalised = is_normalised(dataset)  #: whether the amplitude is arbitrary
         self.times = dataset["time"].values[records]
         every = dataset["time"].values
         self.record_step = float(every[1] - every[0]) if len(every) > 1 else 1.0

@@ -58,8 +58,9 @@ class Panel:
     ) -> None:
         self._plotter, drawing = scene.plotter, scene.drawing
         self._drawing = drawing
-        shown = [f"{drawing.frame} frame", look.enlargement(drawing.exaggeration)]
-        bar = draw_scale_bar(scene, "motion, clearance")
+        size = look.enlargement(drawing.exaggeration, normalised=drawing.normalised)
+        shown = [f"{drawing.frame} frame", size]
+        bar = draw_scale_bar(scene, "" if drawing.normalised else "motion, clearance")
         if sheet:
             shown.append(f"bars: {bar}")
         else:

@@ -39,8 +39,6 @@ def stage_at_rest(
     motion = {"time": np.zeros(1), "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency)))}
     if arrays.casing_frequency.size:
         motion["casing_displacement"] = np.zeros((1, len(arrays.casing_frequency)))
-    if arrays.contact_shape.size:
-        motion["contact_displacement"] = np.zeros((1, len(arrays.blade), 3))
     return stage_dataset(arrays, motion).assign_attrs(attributes, title=title, speed=0.0)
 
 

@@ -29,7 +29,6 @@ from bladewhirl.postprocess.modal.mode_shapes import (
     plot_travelling_wave,
 )
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
-from bladewhirl.postprocess.modal.point_shapes import plot_point_shapes
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.bodies import NO_SURFACE
@@ -187,8 +186,7 @@ def _shapes(stage: ModalModel, modes: list[ChosenMode]) -> Drawn:
         if numbers:
             data = shapes_dataset(stage, body, np.array(numbers))
             data = data.assign_attrs(title=f"mode shapes, {body}")
-            draw = plot_point_shapes if "point_shape" in data else plot_mode_shapes
-            yield f"{body}-shapes", (draw(data, body), data)
+            yield f"{body}-shapes", (plot_mode_shapes(data, body), data)
 
 
 def _scenarios(stage: ModalModel) -> Drawn:

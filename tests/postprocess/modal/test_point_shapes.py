@@ -18,8 +18,11 @@ from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.whirl_modes import WhirlModes
 from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.stage.modal_superelement import modal_superelement
+from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
-from bladewhirl.postprocess.modal.point_shapes import facing_triangles, plot_point_shapes
+from bladewhirl.postprocess.modal.surface_shapes import facing_triangles
+from bladewhirl.postprocess.pictures.appearance import enlargement
+from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.render import render_animation
 from bladewhirl.studies.modal.mode_pictures import plan_pictures
 
@@ -47,13 +50,13 @@ def test_a_surface_is_coloured_by_displacement(tmp_path: Path) -> None:
     case = bw.case_from(tables(file))
     model = modal_superelement(case, count=3)
     data = shapes_dataset(model, "bladed-disk", np.arange(2)).assign_attrs(title="shapes")
-    moved = data["point_shape"].values[0]
+    moved = data["point_shape"].values[..., 0]
     square = data["rotor_frequency"].values[0] ** 2
     inertia = blade().mass @ moved.ravel()  # all coordinates are displacements of points
     assert blade().stiffness @ moved.ravel() == pytest.approx(square * inertia, abs=1.0)
     assert moved.ravel() @ inertia == pytest.approx(1.0)
     assert square * np.abs(inertia).max() > 1e5
-    figure = plot_point_shapes(data)
+    figure = plot_mode_shapes(data, "bladed-disk")
     panels: Any = figure.axes[:2]
     titles = [axes.get_title().splitlines() for axes in panels]
     assert [title[0] for title in titles] == ["1F", "2F"]
@@ -143,3 +146,14 @@ def test_modes_of_a_file_with_stresses_move(tmp_path: Path) -> None:
     motion = mode_motion(model, "bladed-disk", np.array([0]), wave="standing", title="1F")
     assert "stress_shape" not in motion
     assert np.ptp(motion["rotor_displacement"].values) > 0.0
+
+
+def test_films_of_modes_are_normalised() -> None:
+    """The amplitude of a mode is arbitrary."""
+    model = modal_model(beams(), count=20)
+    motion = mode_motion(model, "bladed-disk", np.array([3]), wave="standing", title="a mode")
+    drawing = Drawing(motion, np.arange(PICTURES))
+    colouring = drawing.colouring
+    assert (colouring.unit, colouring.limits) == ("\N{EN DASH}", (0.0, 1.0))
+    assert colouring.scale * colouring.largest == pytest.approx(1.0)
+    assert "arbitrary" in enlargement(drawing.exaggeration, normalised=drawing.normalised)
