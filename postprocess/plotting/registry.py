@@ -6,7 +6,7 @@ figure. The entry only names the functions, so this module imports nothing but t
 """
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any
@@ -20,6 +20,10 @@ class FigureKind:
     title: str
     about: str  #: content of the figure, in one line
     reading: str = ""  #: help for reading the figure: units, signs, marks of dangerous motion
+    shown: Mapping[str, str] = field(default_factory=dict)
+    """Further help on what not every figure of this kind shows, by a variable of its dataset, or a
+    text in it; "a or b" needs one of two."""
+    only: str = ""  #: what a run must have for this figure, in words; empty for every run
     section: str = ""  #: section of the report that shows the figure; empty for no section
     needs: Sequence[str] = ()
     """Variables of a run or a sweep without which there is no figure; "a or b" needs one of two."""
@@ -31,8 +35,19 @@ class FigureKind:
 
     @property
     def caption(self) -> str:
-        """Caption of the figure in a report."""
-        return f"{self.about}. {self.reading}".strip()
+        """Caption of figures of this kind, with all that they can show."""
+        only = f"Only for {self.only}." if self.only else ""
+        return " ".join(filter(None, [f"{self.about}.", only, self.reading, *self.shown.values()]))
+
+    def caption_of(self, contents: Collection[str]) -> str:
+        """Return the caption of one figure from the names of the variables of its dataset, and the
+        texts in it."""
+        shown = [
+            text
+            for names, text in self.shown.items()
+            if any(name in contents for name in names.split(" or "))
+        ]
+        return " ".join(filter(None, [f"{self.about}.", self.reading, *shown]))
 
 
 def captions(kinds: Mapping[str, FigureKind]) -> list[str]:

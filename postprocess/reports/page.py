@@ -12,7 +12,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 import plotly.graph_objects as go
+import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.files import write_atomically
@@ -124,22 +126,34 @@ def report_figures(
     for kind in figures.kinds.values():
         if kind.section != section or kind.name in left_out:
             continue
-        picture, obstacle = "", ""
+        picture, obstacle, caption = "", "", f"{kind.about}."
         try:
-            picture = _as_png(figures.draw(kind.name)[0])
+            figure, data = figures.draw(kind.name)
+            picture, caption = _as_png(figure), kind.caption_of(_contents(data))
         except ViewError as error:
             obstacle = str(error)
         drawn.append(
             ReportFigure(
                 name=kind.name,
                 title=kind.title,
-                caption=kind.caption,
+                caption=caption,
                 picture=picture,
                 obstacle=obstacle,
                 wide=kind.wide,
             )
         )
     return drawn
+
+
+def _contents(data: xr.Dataset) -> set[str]:
+    """Return the names of the variables of a Dataset, and the texts in it and in its attributes."""
+    texts = [values.values.astype(str) for values in data.variables.values() if _is_text(values)]
+    named = {str(text) for each in texts for text in np.unique(each)}
+    return {*map(str, data.variables), *map(str, data.attrs.values()), *named}
+
+
+def _is_text(values: xr.Variable) -> bool:
+    return values.dtype.kind in "OUT"
 
 
 @styled

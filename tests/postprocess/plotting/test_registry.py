@@ -32,6 +32,17 @@ def test_captions_are_sentences(kind: FigureKind) -> None:
     assert kind.caption.endswith(".")
 
 
+def test_captions_of_reports_speak_of_what_is_drawn() -> None:
+    works = RUN_FIGURES["work"]
+    split = "is split into the work that is lost when a tip is stopped"
+    assert split in works.caption
+    assert split in works.caption_of({"normal", "closing"})
+    assert split not in works.caption_of({"normal"})
+    wear = RUN_FIGURES["wear"]
+    assert "Only for a casing with a coating." in wear.caption
+    assert "Only for" not in wear.caption_of({"depth"})
+
+
 def test_every_figure_has_a_documented_function() -> None:
     names = {name.replace("-", "_") for name in (*RUN_FIGURES, *SWEEP_FIGURES)}
     of_modes = {"campbell", "critical_speeds", "response", "veering", "shaft_veering"}
