@@ -10,6 +10,11 @@ from scipy.sparse.csgraph import connected_components
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, part_up_to
 
 
+class LossError(ValueError):
+    """Blades that cannot be lost as demanded; the arguments are that of `BladedMesh.lost_with` at
+    fault, "blades" or "share", and a text that completes "expected ..."."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class LostPart:
     """Nodes and lines that are lost with some blades."""
@@ -39,8 +44,8 @@ class BladedMesh:
                 blade breaks at the nearest node.
 
         Raises:
-            ValueError: no beam ends at a tip, the nearest node is the tip, or a blade is joined to
-                other parts beyond the fracture; the message completes "expected ...".
+            LossError: no beam ends at a tip, the nearest node is the tip, or a blade is joined to
+                other parts beyond the fracture.
         """
         spans = self.points[self.lines]
         lengths = np.linalg.norm(spans[:, 1] - spans[:, 0], axis=1)
@@ -49,22 +54,25 @@ class BladedMesh:
             tip = int(self.tips[blade])
             chain = part_up_to(tip, self.points, self.lines, self.parts)
             if not len(chain.lines):
-                raise ValueError(f"a blade of beams; no beam ends at the tip of blade {blade}")
+                expected = f"a blade of beams; no beam ends at the tip of blade {blade}"
+                raise LossError("blades", expected)
             ends = chain.ends(lengths) / chain.ends(lengths)[-1]
             place = int(np.abs(ends - share).argmin())
             if place == len(chain.lines):
-                raise ValueError(
+                raise LossError(
+                    "share",
                     f"a share nearer to {ends[-2]:.4g}, the last node of blade {blade} before its"
-                    f" tip, than to 1"
+                    " tip, than to 1",
                 )
             line = int(chain.lines[place])
             cut = int(self.lines[line, 0 if chain.outward[place] else 1])
             lost = self._beyond(cut, tip)
             others = np.setdiff1d(np.flatnonzero(np.isin(self.tips, lost)), [blade])
             if self.centre in lost or others.size:
-                raise ValueError(
+                raise LossError(
+                    "blades",
                     f"a blade that is joined to other parts at its root only; blade {blade} is"
-                    " joined to them beyond the fracture"
+                    " joined to them beyond the fracture",
                 )
             nodes.append(lost)
             cuts.append(cut)

@@ -15,7 +15,7 @@ from bladewhirl.files import open_text
 from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.check import dotted, faults_of
 from bladewhirl.models.case.excitation import EXCITATIONS
-from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.errors import CaseError, Fault, UserError
 from bladewhirl.models.inputs.table import Table, path_of, value_at
 
 MOST_LETTERS = 2**24  #: largest length of a case file [characters]; a longer file cannot be a case
@@ -198,6 +198,13 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
         key, expected = "march.steps_per_revolution", f"more; a time step of {expected}"
     path = path_of(key)
     return Fault(key=dotted(path), value=value_at(case.model_dump(), path), expected=expected)
+
+
+def faults_at(case: Case, key: str, error: UserError) -> list[Fault]:
+    """Return the faults of an error as those of a dotted key of a case, see `case_fault`."""
+    return [
+        replace(case_fault(case, key, fault.expected), part=fault.key) for fault in error.faults
+    ]
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:

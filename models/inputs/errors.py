@@ -70,6 +70,13 @@ class UserError(Exception):
         """Text of each fault on one line; each argument of the exception is a fault."""
         return [shortened(" ".join(str(fault).split())) for fault in self.args]
 
+    @property
+    def faults(self) -> "tuple[Fault, ...]":
+        """The arguments of the exception; a text is what was expected."""
+        return tuple(
+            fault if isinstance(fault, Fault) else Fault(expected=str(fault)) for fault in self.args
+        )
+
 
 class Hint(UserWarning):
     """Warning about a valid value that is implausible or could be chosen better."""
@@ -77,17 +84,18 @@ class Hint(UserWarning):
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """One fault of a case."""
+    """One fault of a case, or of a file that it names."""
 
     file: str = ""  #: path of the case file, or "--set"; empty for a case made in Python
     key: str = ""  #: dotted key as in the file; empty if the entire file is at fault
     value: object = None  #: value of the key as in the file; None if there is no value
+    part: str = ""  #: what is at fault in the file that the key names; empty if it is the key
     expected: str  #: text that completes "expected ...", or a complete text, "not allowed ..."
 
     def __str__(self) -> str:
         """Return the fault on one line."""
         place = self.key if self.value is None else f"{self.key} = {shown(self.value)}"
-        parts = (self.file, place, demand(self.expected))
+        parts = (self.file, place, self.part, demand(self.expected))
         return shortened(" ".join(": ".join(part for part in parts if part).splitlines()))
 
 
@@ -95,8 +103,12 @@ class CaseError(UserError):
     """Error that lists one or more faults of a case."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
-        self.faults = tuple(faults)
-        super().__init__(self.faults)  # so that the error can be pickled
+        super().__init__(tuple(faults))  # so that the error can be pickled
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """All faults."""
+        return tuple(self.args[0])
 
     @property
     def lines(self) -> list[str]:

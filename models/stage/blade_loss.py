@@ -26,7 +26,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.meshes.lost_part import BladedMesh, LostPart
+from bladewhirl.meshes.lost_part import BladedMesh, LossError, LostPart
 from bladewhirl.models.case.blade_loss import BladeLoss
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
@@ -80,9 +80,10 @@ def lost_part(stage: Stage, loss: BladeLoss) -> LostPart:
     )
     try:
         return mesh.lost_with(np.array(loss.blade), loss.share)
-    except ValueError as error:
-        key = "from" if "share" in str(error) else "blade"
-        raise CaseError([case_fault(stage.case, f"blade_loss.{key}", str(error))]) from None
+    except LossError as error:
+        argument, expected = error.args
+        key = {"blades": "blade_loss.blade", "share": "blade_loss.from"}[argument]
+        raise CaseError([case_fault(stage.case, key, expected)]) from None
 
 
 def without_part(model: BeamModel, lost: LostPart) -> BeamModel:

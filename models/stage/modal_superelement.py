@@ -11,7 +11,7 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.file import faults_at
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
@@ -354,8 +354,7 @@ def modal_superelement(
                 fixed = with_clamped_centre(part)
                 clamped = wheel_blocks(fixed, springs, table.copies, total, highest)
     except SuperelementError as error:
-        text = str(error).removeprefix("expected ")
-        raise CaseError([case_fault(case, f"{SOURCE}.file", text)]) from None
+        raise CaseError(faults_at(case, f"{SOURCE}.file", error)) from None
     return ModalSuperelement(
         case=case,
         reference_frequency=stage.reference_frequency,

@@ -13,7 +13,7 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder, Imbalance
-from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.file import case_fault, faults_at
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.imports.inspection import NEGATIVE
@@ -474,8 +474,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         if at_rest is not None and isinstance(error, IndefiniteError):
             expected = "a speed at which the structure keeps its stiffness in spite of the rotation"
             raise CaseError([case_fault(case, "march.speed", expected)]) from None
-        text = str(error).removeprefix("expected ")
-        raise CaseError([case_fault(case, key, text)]) from None
+        raise CaseError(faults_at(case, key, error)) from None
     if table.kind == "blade":
         rigid = int((reduced.frequency <= np.sqrt(rigid_limit(part))).sum())
         if rigid:

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.file import faults_at
 from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.inputs.errors import CaseError
@@ -70,7 +70,7 @@ def structure_of(case: Case) -> Superelement:
     try:
         return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
     except SuperelementError as error:
-        raise CaseError([case_fault(case, f"{SOURCE}.file", str(error))]) from None
+        raise CaseError(faults_at(case, f"{SOURCE}.file", error)) from None
 
 
 _small: dict[str, Superelement] = {}

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import of_modes
 from bladewhirl.models.superelements.reduction import RIGID_SECTOR, ReducedSuperelement, root_of
 from bladewhirl.models.superelements.superelement import (
@@ -29,10 +30,13 @@ from bladewhirl.models.superelements.superelement import (
     SuperelementError,
 )
 
-SEPARATE = (
-    "blade_stiffness: expected the stiffness of {0} blades that are not connected with each other,"
-    " and a contact node on each of them; {1}"
-)
+
+def _separate(blades: int, reason: str) -> SuperelementError:
+    expected = (
+        f"the stiffness of {blades} blades that are not connected with each other, and a contact"
+        f" node on each of them; {reason}"
+    )
+    return SuperelementError(Fault(key="blade_stiffness", expected=expected))
 
 
 def mistuned_wheel(part: Superelement, factor: FloatArray) -> Superelement:
@@ -53,12 +57,12 @@ def mistuned_wheel(part: Superelement, factor: FloatArray) -> Superelement:
     for blade, dofs in enumerate(of_nodes):
         inside = np.isin(member, member[dofs[dofs != FIXED]]) & stiff
         if not inside.any():
-            raise SuperelementError(SEPARATE.format(blades, f"blade {blade} has none"))
+            raise _separate(blades, f"blade {blade} has none")
         if not np.isnan(change[inside]).all():
-            raise SuperelementError(SEPARATE.format(blades, f"blade {blade} is part of another"))
+            raise _separate(blades, f"blade {blade} is part of another")
         change[inside] = factor[blade] - 1.0
     if np.isnan(change[stiff]).any():
-        raise SuperelementError(SEPARATE.format(blades, "a part of it has no contact node"))
+        raise _separate(blades, "a part of it has no contact node")
     scale = sp.diags_array(np.where(stiff, change, 0.0))
     stiffness = part.stiffness + (
         scale @ own if sp.issparse(part.stiffness) else (scale @ own).toarray()

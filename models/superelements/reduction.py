@@ -26,6 +26,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.diameters import turned_to_diameters
 from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
@@ -53,9 +54,9 @@ ENOUGH = 1e-12
 """The smallest eigenvalue of the radial residual flexibility must exceed this fraction of the
 largest radial static flexibility."""
 
-STIFF = (
-    "stiffness: expected a matrix that is not indefinite, and no motion without stiffness except"
-    " rigid ones"
+STIFF = Fault(
+    key="stiffness",
+    expected="a matrix that is not indefinite, and no motion without stiffness except rigid ones",
 )
 
 FEW = 8
@@ -68,7 +69,9 @@ LOWEST, SMALL = 60, 1e-12
 """Number of lowest modes from which the damping of a large structure follows; and the smallest
 mass of what they leave of the shapes, as a fraction of the largest."""
 
-RIGID_SECTOR = "expected a sector without rigid modes and with a stiffness that is not indefinite"
+RIGID_SECTOR = Fault(
+    expected="a sector without rigid modes and with a stiffness that is not indefinite"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,10 +170,11 @@ def massless(
         kept = rows @ shapes[:, elastic]
     static = np.diag(compliance)[::3] + ((kept**2) @ (1.0 / squares[elastic]))[::3]
     if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * static.max():
-        raise SuperelementError(
-            f"expected fewer free-interface modes than {modes}: the modes that are left out have to"
-            " give all contact nodes a radial flexibility"
+        expected = (
+            f"fewer free-interface modes than {modes}: the modes that are left out have to give all"
+            " contact nodes a radial flexibility"
         )
+        raise SuperelementError(Fault(expected=expected))
     return _reduced(part, squares, shapes, moved, compliance, len(squares), root)
 
 
@@ -193,8 +197,8 @@ def check_count(found: int, modes: int) -> None:
         SuperelementError: there are fewer.
     """
     if found < modes:
-        text = f"expected at most {found} free-interface modes, got {modes}"
-        raise SuperelementError(f"{text}: other motions have no mass")
+        expected = f"at most {found} free-interface modes, got {modes}: other motions have no mass"
+        raise SuperelementError(Fault(expected=expected))
 
 
 def boundary_size(part: Superelement) -> int:
@@ -230,10 +234,11 @@ def consistent(
         boundary = np.concatenate([boundary, part.centre_dofs])
     inside = np.setdiff1d(np.arange(part.size), boundary)
     if fixed_interface_modes > len(inside):
-        raise SuperelementError(
-            f"expected at most {len(inside)} fixed-interface modes, the number of coordinates"
-            f" inside, got {fixed_interface_modes}"
+        expected = (
+            f"at most {len(inside)} fixed-interface modes, the number of coordinates inside, got"
+            f" {fixed_interface_modes}"
         )
+        raise SuperelementError(Fault(expected=expected))
     basis = np.zeros((part.size, len(boundary) + fixed_interface_modes))
     basis[boundary, np.arange(len(boundary))] = 1.0
     if len(inside):
@@ -242,7 +247,7 @@ def consistent(
         pencil = _factorised(rows[:, inside], mass[inside][:, inside], 0.0)
         basis[inside, : len(boundary)] = -pencil.solve(rows[:, boundary].toarray())
         if fixed_interface_modes:
-            basis[inside, len(boundary) :] = _lowest(pencil, fixed_interface_modes)[1]
+            basis[inside, len(boundary) :] = pencil.lowest(fixed_interface_modes)[1]
     if others:
         statics = modes_and_static(part, _few(part), part.loads)[1:]
         fields = [basis, *statics, *_at_speeds(others, fixed_interface_modes)]
@@ -371,12 +376,11 @@ def modes_and_static(
             stiffness.
     """
     if not count <= part.size - 1:
-        raise SuperelementError(
-            f"expected at most {part.size - 1} modes of {part.size} coordinates, got {count}"
-        )
+        expected = f"at most {part.size - 1} modes of {part.size} coordinates, got {count}"
+        raise SuperelementError(Fault(expected=expected))
     announce(part.size, count, loads.shape[1])
     pencil = _factorised(part.stiffness, part.mass, small_shift(part))
-    squares, shapes = _lowest(pencil, count)
+    squares, shapes = pencil.lowest(count)
     _check_definite(part, squares)
     try:
         return squares, shapes, pencil.static(loads, shapes)
@@ -391,19 +395,13 @@ def _factorised(stiffness: Matrix, mass: Matrix, shift: float) -> MatrixPencil:
         raise IndefiniteError(STIFF) from None
 
 
-def _lowest(pencil: MatrixPencil, count: int) -> tuple[FloatArray, FloatArray]:
-    try:
-        return pencil.lowest(count)
-    except la.LinAlgError:
-        raise SuperelementError("mass: expected a positive definite matrix") from None
-
-
 def _check_definite(part: Superelement, squares: FloatArray) -> None:
     if squares[0] < -rigid_limit(part) - part.softening:
-        raise IndefiniteError(
-            "stiffness: expected a matrix that is not indefinite; the lowest squared frequency is"
+        expected = (
+            "a matrix that is not indefinite; the lowest squared frequency is"
             f" {squares[0]:.4g} rad2/s2"
         )
+        raise IndefiniteError(Fault(key="stiffness", expected=expected))
 
 
 def small_shift(part: Superelement) -> float:

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # has no types
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.machine import cores
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.cyclic import transformation
@@ -27,24 +28,17 @@ from bladewhirl.models.superelements.superelement import (
     FIXED,
     IndefiniteError,
     Superelement,
-    SuperelementError,
 )
 
 Found = TypeVar("Found")
 
 
 @contextmanager
-def sector_errors(stiffness: str) -> Iterator[None]:
-    """Raise errors of linear algebra in this context as errors of the matrices of a sector.
-
-    Args:
-        stiffness: message if the stiffness is not positive definite.
-    """
+def sector_errors(stiffness: Fault) -> Iterator[None]:
+    """Raise errors of linear algebra in this context as a fault of the stiffness of a sector."""
     try:
         yield
-    except la.LinAlgError as error:
-        if "mass" in str(error):
-            raise SuperelementError(str(error)) from None
+    except la.LinAlgError:
         raise IndefiniteError(stiffness) from None
 
 

@@ -26,6 +26,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.machine import memory
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.superelement import Matrix, SuperelementError
@@ -120,10 +121,11 @@ def announce(
     time = FACTOR_SECONDS * coordinates**2 + SOLVE_SECONDS * numbers * entries * solves / workers
     cost = f"{needed / 1e9:.2g} GB of memory"
     if needed > (most := memory()):
-        raise SuperelementError(
-            f"expected a smaller superelement: {coordinates} coordinates take about {cost}, and"
-            f" this computer has {most / 1e9:.3g} GB"
+        expected = (
+            f"a smaller superelement: {coordinates} coordinates take about {cost}, and this"
+            f" computer has {most / 1e9:.3g} GB"
         )
+        raise SuperelementError(Fault(expected=expected))
     if coordinates >= LARGE:
         logger.warning(
             "Large superelement: %s coordinates take about %s and some %.2g s.",
@@ -164,7 +166,7 @@ class Pencil(ABC):
         mass-normalised shapes [kg^-1/2], (n, count); fewer if the other motions have no mass.
 
         Raises:
-            LinAlgError: the mass is indefinite.
+            SuperelementError: the mass is indefinite.
         """
         start = np.random.default_rng(0).standard_normal((self.size, min(BLOCK, self.size)))
         block = self.solve(self.mass(start.astype(self.kind)))
@@ -200,7 +202,7 @@ class Pencil(ABC):
             squares, vectors = la.eigh(0.5 * (gram + gram.conj().T))
             before = max((abs(inside) ** 2).sum(axis=0).max(), squares[-1])
             if squares[0] < -INDEFINITE * before:
-                raise la.LinAlgError("the mass is indefinite")
+                raise SuperelementError(Fault(key="mass", expected="a positive definite matrix"))
             kept = (squares > LOST * before) & (squares > DEPENDENT * squares[-1])
             scale, vectors = np.sqrt(squares[kept]), vectors[:, kept]
             block, weights = block @ (vectors / scale), weights @ (vectors / scale)

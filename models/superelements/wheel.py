@@ -10,6 +10,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import Rotating, of_modes
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.cyclic import transformation
@@ -92,9 +93,8 @@ class WheelOverSpeeds:
         self._part, self._sectors, self._modes = part, sectors, modes
         own, size = part.blade_stiffness, transformation(part, sectors, 0).shape[1]
         if modes >= size:
-            raise SuperelementError(
-                f"expected fewer than {size} free-interface modes, the coordinates of a sector"
-            )
+            expected = f"fewer than {size} free-interface modes, the coordinates of a sector"
+            raise SuperelementError(Fault(expected=expected))
         count = modes + (FURTHER_MODES if highest or own is not None else 0)
 
         def compute() -> Arrays:

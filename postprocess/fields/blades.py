@@ -6,6 +6,7 @@ import xarray as xr
 from scipy.sparse.csgraph import dijkstra
 
 from bladewhirl.meshes.line_mesh import Chain, chain_to, outward_line
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.postprocess.fields.kinematics import IntArray, ViewError
 
 
@@ -45,7 +46,8 @@ def blade_chain(dataset: xr.Dataset, blade: int) -> Chain:
     among = line_blades(dataset) == blade
     chain = chain_to(dataset["tip_node"].values[blade], dataset["rotor_line"].values, among)
     if not 0 < len(chain.lines) == np.count_nonzero(among):
-        raise ViewError(f"expected beams of blade {blade} that form one chain from root to tip")
+        expected = f"beams of blade {blade} that form one chain from root to tip"
+        raise ViewError(Fault(expected=expected))
     return chain
 
 

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 
@@ -128,14 +129,12 @@ def gauge_row(dataset: xr.Dataset, point: int, direction: Array) -> tuple[IntArr
         ViewError: the file gives no stresses or no material, or has no such point.
     """
     if not has_stresses(dataset) or "point_young_modulus" not in dataset:
-        raise ViewError(
-            "expected another sensor, or a file with stress_recovery, young_modulus and"
-            " poisson_ratio"
-        )
+        expected = "another sensor, or a file with stress_recovery, young_modulus and poisson_ratio"
+        raise ViewError(Fault(expected=expected))
     number = dataset["point_number"].values
     places = np.flatnonzero(number == point)
     if not len(places):
-        raise ViewError(f"expected a point of the file, from 0 to {number.max()}")
+        raise ViewError(Fault(expected=f"a point of the file, from 0 to {number.max()}"))
     shape = dataset["stress_shape"].values[places]
     pushed = np.moveaxis(on_sectors(dataset["stress_by_force"].values, places), 1, 2)
     stress = np.concatenate([shape, pushed.reshape(*shape.shape[:2], -1)], axis=2)

@@ -12,6 +12,7 @@ is linear between the records.
 import tomllib
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -144,9 +145,8 @@ def check_sensors(
             except ViewError as error:
                 keys = ("span", "element", "gauge", "point")
                 key = next(k for k in keys if getattr(sensor, k) is not None)
-                expected = str(error).removeprefix("expected ")
-                value = getattr(sensor, key)
-                faults.append(Fault(key=f"sensor[{number}].{key}", value=value, expected=expected))
+                at, value = f"sensor[{number}].{key}", getattr(sensor, key)
+                faults += [replace(each, key=at, value=value) for each in error.faults]
     if faults:
         raise CaseError(faults)
 
@@ -203,7 +203,8 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
     if gauge.point is not None:
         return _point_rows(dataset, gauge)
     if "rotor_line" not in dataset:
-        raise ViewError("expected gauge in place of span and element, as the blades are no beams")
+        expected = "gauge in place of span and element, as the blades are no beams"
+        raise ViewError(Fault(expected=expected))
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     lines, places, outwards = [], [], []
@@ -211,7 +212,8 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
         chain = blade_chain(dataset, blade)
         if gauge.element is not None and gauge.element >= len(chain.lines):
             last = len(chain.lines) - 1
-            raise ViewError(f"expected an element from 0 to {last} of blade {blade}")
+            expected = f"an element from 0 to {last} of blade {blade}"
+            raise ViewError(Fault(expected=expected))
         number, x = gauge.element, 0.5
         if number is None:
             number, x = chain.place(float(gauge.span or 0.0), length)
@@ -225,14 +227,15 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
 def _recovered_rows(dataset: xr.Dataset, number: int, chosen: list[int]) -> GaugeRows:
     """Return the strain of a gauge on some blades from the recovery of strain of a superelement."""
     if "gauge_shape" not in dataset:
-        raise ViewError("expected span or element, as no file gives strain_recovery")
+        raise ViewError(Fault(expected="span or element, as no file gives strain_recovery"))
     shape, copies = dataset["gauge_shape"].values, dataset.sizes["copy"]
     blades = blade_count(dataset) // copies
     if len(shape) % blades or not number < len(shape) // blades:
-        raise ViewError(
-            f"expected a gauge from 0 to {len(shape) // blades - 1} of each blade, with the same"
-            " number of gauges on all blades"
+        expected = (
+            f"a gauge from 0 to {len(shape) // blades - 1} of each blade, with the same number of"
+            " gauges on all blades"
         )
+        raise ViewError(Fault(expected=expected))
     own = shape.reshape(blades, -1, shape.shape[1])[:, number]
     modal = np.kron(np.eye(copies), own)[chosen]
     if "gauge_by_force" not in dataset:  # of an older format
@@ -254,10 +257,11 @@ def _point_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
     of_blades = points_of(dataset, 1).blade[(places + points * np.arange(copies)[:, None]).ravel()]
     wanted = np.arange(blade_count(dataset)) if gauge.blade == "all" else np.array([gauge.blade])
     if not np.isin(wanted, of_blades).all():
-        raise ViewError(
-            f"expected a point of each blade with a gauge; point {gauge.point} is on blade"
+        expected = (
+            f"a point of each blade with a gauge; point {gauge.point} is on blade"
             f" {', '.join(map(str, of_blades))} of a whole wheel: give blade"
         )
+        raise ViewError(Fault(expected=expected))
     chosen = [int(np.flatnonzero(of_blades == blade)[0]) for blade in wanted]
     return GaugeRows(np.asarray(modal[chosen]), np.asarray(by_force[chosen]))
 

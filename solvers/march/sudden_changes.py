@@ -34,6 +34,14 @@ from bladewhirl.solvers.packing.rotor import DIRECTIONS
 TRIALS = 4
 """Number of corrections of the velocity at a change: forces due to velocities depend on it."""
 
+NEXT = {
+    "whole": {"loss": "lost", "fuse": "fused"},
+    "lost": {"fuse": "both"},
+    "fused": {"loss": "both"},
+    "both": {},
+}
+"""Phases by name, each with the changes that can end it and the phase that then follows."""
+
 RESTARTED = ("rotor", "drive", "until")
 """Arrays of the state that do not continue as they were before a change."""
 
@@ -43,7 +51,7 @@ class Phase:
 
     Args:
         problem: contact problem of this phase.
-        name: name of the phase in a state.
+        name: name of the phase, a key of `NEXT`.
         time_step: time step [s].
         record_every: number of steps between records.
         before: the phase before; None for the first one.
@@ -73,6 +81,10 @@ class Phase:
             self.tips, self.reach = (
                 (change.tips, change.reach) if lost else (before.tips, before.reach)
             )
+
+    def change(self, ending: str) -> Aftermath | None:
+        """Return a change that can end this phase, "loss" or "fuse"; None if it does not occur."""
+        return self.problem.loss if ending == "loss" else self.problem.fuse
 
     def shown(self, chunk: Chunk) -> Chunk:
         """Return records of this phase in the coordinates of the first phase, with the strain
@@ -132,8 +144,8 @@ class SuddenChanges:
 
     def _further(self, phase: Phase) -> None:
         """Add the phases that can follow a phase."""
-        for ending, change in (("lost", phase.problem.loss), ("fused", phase.problem.fuse)):
-            name = "-".join(sorted({*phase.name.split("-"), ending} - {"whole"}))
+        for ending, name in NEXT[phase.name].items():
+            change = phase.change(ending)
             if change is not None and name not in self._phases:
                 following = Phase(
                     change.after, name, self._time_step, self._record_every, phase, change
@@ -175,17 +187,16 @@ class SuddenChanges:
             state = replace(state, step=now.step, arrays=arrays)
             if end is EndReason.FUSED:
                 end = None
-                state = self._changed(state, "fused")
+                state = self._changed(state, "fuse")
                 state = replace(state, fused_step=state.step)
             if end is None and self._phases[state.phase].problem.loss is not None:
-                state = self._changed(state, "lost") if state.step == self._loss_step else state
+                state = self._changed(state, "loss") if state.step == self._loss_step else state
         return state, joined(chunks), end
 
     def _changed(self, state: ChangingState, ending: str) -> ChangingState:
         """Return the state after a change at its step."""
         phase = self._phases[state.phase]
-        name = "-".join(sorted({*state.phase.split("-"), ending} - {"whole"}))
-        change = phase.problem.loss if ending == "lost" else phase.problem.fuse
+        name, change = NEXT[state.phase][ending], phase.change(ending)
         assert change is not None
         now = KernelState(step=state.step, arrays=state.arrays[state.phase])
         after = self.after_change(phase, change, self._phases[name], now)
