@@ -1,7 +1,9 @@
 """Tables of a case for the analysis: reduction, damping, contact, start, coupling and march."""
 
 import math
+import sys
 from collections.abc import Iterator, Mapping
+from itertools import islice, pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr, model_validator
@@ -11,13 +13,13 @@ from bladewhirl.models.case.speed_keys import (
     Drive,
     RunUp,
     SpeedRows,
-    course_faults,
     course_of,
     speeds_of,
 )
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.mode_names import mode_choice
-from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
+from bladewhirl.models.inputs.rules import Inconsistency, broken
+from bladewhirl.models.inputs.table import ReplacedKeys, Table
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.inputs.units import Speed
 
@@ -29,6 +31,11 @@ REMOVED_DEFAULTS = {"restitution": 0.0, "penalty_stiffness": 1e9, "stick_speed":
 
 REMOVED_LAWS = "restitution and penalty contact were removed in this version"
 """Reason for which other values of march.scheme, and keys of their contact laws, are refused."""
+
+MOST_ROWS = 10_000  #: largest number of rows of a table of speeds
+
+LARGEST_CHANGE = 0.02
+"""Largest change of the speed between two records, as a share of the fastest speed."""
 
 WHOLE = 1e-6  #: relative tolerance with which record_step / time_step must be an integer
 
@@ -242,8 +249,8 @@ class March(ReplacedKeys):
     @model_validator(mode="after")
     def _fastest(self) -> Self:
         """Set `speed` to the fastest speed of a table of speeds, of which it is the replacement."""
-        if speeds := speeds_of(self.speed_table, self.run_up):
-            self.__dict__["speed"] = max(speeds, key=lambda speed: abs(speed.value))
+        if self.speeds:
+            self.__dict__["speed"] = max(self.speeds, key=lambda speed: abs(speed.value))
         return self
 
     @property
@@ -261,6 +268,43 @@ class March(ReplacedKeys):
         return course_of(self.speed_table, self.speed_blend, self.run_up, reference)
 
     @property
+    def speeds(self) -> list[Speed]:
+        """Speeds of march.speed_table or march.run_up."""
+        return speeds_of(self.speed_table, self.run_up)
+
+    @property
+    def gaps(self) -> list[float]:
+        """Times between rows of march.speed_table [s]."""
+        return [after - before for (before, _), (after, _) in pairwise(self.speed_table or ())]
+
+    @property
+    def late(self) -> int:
+        """First row of march.speed_table that is not after the row before it; 0 without one."""
+        return next((row for row, gap in enumerate(self.gaps, 1) if not gap > 0.0), 0)
+
+    @property
+    def longest_record(self) -> float:
+        """Largest `record_step` at which the speed between two records hardly changes [s]."""
+        course = course_of(self.speed_table, self.speed_blend, self.run_up, 1.0)
+        fastest = max(abs(speed.value) for speed in self.speeds)
+        rate = course.largest_acceleration
+        return LARGEST_CHANGE * fastest / rate if rate else math.inf
+
+    @property
+    def ratio(self) -> float:
+        """Record step divided by the time step."""
+        return self.record_step / self.time_step
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield the rules that are broken."""
+        here = sys.modules[__name__]
+        yield from super().inconsistencies()
+        if any(each is not None for each in (self.speed_table, self.run_up, self.speed_blend)):
+            yield from islice(broken("March course", self, here), 1)
+        if self.steps_per_revolution is None:
+            yield from broken("March in seconds", self, here)
+
+    @property
     def steps(self) -> int:
         """Number of time steps in ``duration``."""
         return self.timing.steps
@@ -271,50 +315,3 @@ class March(ReplacedKeys):
         return Timing(
             time_step=self.time_step, duration=self.duration, record_step=self.record_step
         )
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for records that are not at time steps, for too many steps, and for
-        numbers of a revolution at speed 0."""
-        yield from self._speed_faults()
-        for key in ("steps_per_revolution", "revolutions"):
-            if getattr(self, key) is not None and self.speed.value == 0.0:
-                yield Inconsistency("speed", f"a speed other than 0 for march.{key}", (key,))
-        if self.steps_per_revolution is not None:
-            if (self.revolutions or 1.0) * self.steps_per_revolution > MOST_STEPS:
-                yield Inconsistency("revolutions", f"at most {MOST_STEPS:g} steps")
-            return
-        ratio = self.record_step / self.time_step
-        if ratio < 1.0 - WHOLE:
-            expected = f"at least march.time_step = {self.time_step!r}"
-            yield Inconsistency("record_step", expected, ("time_step",))
-        elif ratio < MOST_STEPS and abs(ratio - round(ratio)) > WHOLE * ratio:
-            below, above = (int(ratio) * self.time_step, (int(ratio) + 1) * self.time_step)
-            expected = (
-                f"a whole number of time steps of {self.time_step!r} s:"
-                f" {below:.9g} s or {above:.9g} s, not {ratio:.9g} time steps"
-            )
-            yield Inconsistency("record_step", expected, ("time_step",))
-        if 0.0 < self.duration < (1.0 - WHOLE) * self.time_step:
-            expected = f"0, or at least march.time_step = {self.time_step!r}"
-            yield Inconsistency("duration", expected, ("time_step",))
-        for key in ("duration", "record_step"):
-            if getattr(self, key) / self.time_step > MOST_STEPS:
-                expected = f"at most {MOST_STEPS:g} steps of march.time_step = {self.time_step!r}"
-                yield Inconsistency(key, expected, ("time_step",))
-
-    def _speed_faults(self) -> Iterator[Inconsistency]:
-        """Yield errors of a speed that varies over time."""
-        if self.drive is not None:
-            for key in ("speed_table", "run_up"):
-                if getattr(self, key) is not None:
-                    yield Inconsistency(key, "not allowed together with march.drive", ("drive",))
-            if self.speed.value == 0.0:
-                yield Inconsistency("speed", "a speed other than 0 with march.drive", ("drive",))
-        elif self.varies and "speed" in self.model_fields_set:
-            key = "speed_table" if self.speed_table is not None else "run_up"
-            expected = f"not allowed together with march.{key}; remove one of them"
-            yield Inconsistency("speed", expected, (key,))
-        yield from course_faults(self.speed_table, self.speed_blend, self.run_up, self.record_step)
-        if self.varies and self.revolutions is not None:
-            expected = "not allowed with a speed that varies; give march.duration"
-            yield Inconsistency("revolutions", expected, ("speed_table", "run_up", "drive"))

@@ -1,6 +1,5 @@
 """The `[blade_loss]` table of a case: blades that break off during a march."""
 
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 from pydantic import (
@@ -12,7 +11,7 @@ from pydantic import (
 )
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 
 
 def _blades(value: Any) -> tuple[int, ...]:
@@ -49,10 +48,3 @@ class BladeLoss(Table):
         beyond = f" beyond {100.0 * self.share:.3g} % of the length" if self.share else ""
         numbers = ", ".join(map(str, self.blade))
         return f"blade{several} {numbers} lost at {self.time:.4g} s{beyond}"
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a fracture beyond the tip."""
-        if not self.share < 1.0:
-            yield Inconsistency(
-                "from", "a share of the blade from 0 to less than 1", value=self.share
-            )

@@ -1,8 +1,8 @@
 """The `[bladed_disk]` table of a case and its inner tables: taper, shrouds, rings, masses."""
 
 import math
+import sys
 from collections.abc import Iterable, Iterator
-from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
 import numpy as np
@@ -12,12 +12,16 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
+from bladewhirl.models.inputs.rules import Inconsistency, broken
+from bladewhirl.models.inputs.table import ReplacedKeys, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
 MOST_SPREAD = 0.2
 """Largest standard deviation of random factors; a larger deviation makes factors below zero likely.
 """
+
+FACTORS = ("stiffness", "mass", "length")
+"""Quantities of a blade with factors, in the order of their random streams."""
 
 Blades = tuple[Annotated[int, fields.count(0)], ...]
 Factors = tuple[Annotated[float, fields.number("positive")], ...]
@@ -103,30 +107,18 @@ class Mistuning(Table):
         listed = getattr(self, name)
         if listed:
             return np.array(listed)
-        stream = ("stiffness", "mass", "length").index(name)
+        stream = FACTORS.index(name)
         drawn = np.random.default_rng([self.seed, stream]).standard_normal(blades)
         return np.asarray(1.0 + getattr(self, f"{name}_spread") * drawn)
 
     def is_given(self, blades: int) -> bool:
         """Return true if a factor of a blade is not 1."""
-        return any(
-            (self.factors(name, blades) != 1.0).any() for name in ("stiffness", "mass", "length")
-        )
+        return any((self.factors(name, blades) != 1.0).any() for name in FACTORS)
 
-    def faults(self, blades: int) -> Iterator[Inconsistency]:
-        """Yield lists of wrong length, and spreads that are too large or given in addition to a
-        list."""
-        for name in ("stiffness", "mass", "length"):
-            listed, spread = getattr(self, name), getattr(self, f"{name}_spread")
-            key = f"mistuning.{name}"
-            if listed and len(listed) != blades:
-                expected = f"{blades} factors, one for each blade, not {len(listed)}"
-                yield Inconsistency(key, expected, ("blades",))
-            if listed and spread:
-                expected = f"either factors or bladed_disk.mistuning.{name}_spread, not both"
-                yield Inconsistency(key, expected, (f"mistuning.{name}_spread",))
-            elif spread > MOST_SPREAD or not np.all(self.factors(name, blades) > 0.0):
-                yield Inconsistency(f"{key}_spread", f"at most {MOST_SPREAD:g}")
+    @property
+    def changed(self) -> set[str]:
+        """Keys that differ from their defaults."""
+        return {*self.model_dump(exclude_defaults=True)}
 
 
 TaperRows = Annotated[tuple[TaperStation, ...], fields.rows('{ thickness = "12 mm" }')]
@@ -236,98 +228,33 @@ class BladedDisk(ReplacedKeys):
         radii |= {mass.radius for mass in self.point_masses}
         return sorted(r for r in radii if self.disk_radius < r < self.tip_radius)
 
+    @property
+    def sector_elements(self) -> int:
+        """Number of elements on a blade and on the shrouds from it to the next."""
+        return self.elements_per_blade + sum(shroud.elements for shroud in self.shrouds)
+
+    @property
+    def shortest_radius(self) -> float:
+        """Radius of the tip of the shortest blade [m]."""
+        factor = float(self.mistuning.factors("length", self.blades).min())
+        return self.disk_radius + factor * (self.tip_radius - self.disk_radius)
+
+    @property
+    def source(self) -> str:
+        """Key with a file that replaces the other keys; empty without one."""
+        return next((key for key in ("superelement", "mesh") if getattr(self, key)), "")
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield the rules that are broken."""
+        yield from super().inconsistencies()
+        here = sys.modules[__name__]
+        if not self.source and self.disk_radius < self.tip_radius:
+            yield from broken("BladedDisk of beams", self, here)
+        if self.mesh is None:
+            yield from broken("BladedDisk with mistuning", self, here)
+
     def written(self) -> Iterable[str]:
         """Return the keys to write, without those that a mesh file or a superelement replaces."""
         if self.superelement is not None:
             return ("superelement", "mistuning")
         return type(self).model_fields if self.mesh is None else ("mesh",)
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for blades without length, parts at wrong radii and too many elements."""
-        if self.superelement is not None or self.mesh is not None:
-            source = "mesh" if self.superelement is None else "superelement"
-            for name in self.given(kept=[*self.written()]):
-                expected = f"not allowed together with bladed_disk.{source}; remove this key"
-                yield Inconsistency(name, expected, (source,))
-            if self.superelement is not None:
-                yield from self._factor_faults(self.superelement)
-            return
-        if self.disk_radius >= self.tip_radius:
-            expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
-            yield Inconsistency("disk_radius", expected, ("tip_radius",))
-            return
-        sector = self.elements_per_blade + sum(shroud.elements for shroud in self.shrouds)
-        if self.blades * sector > fields.MOST:
-            expected = (
-                f"at most {fields.MOST} elements on bladed_disk.blades = {self.blades} blades"
-            )
-            if self.shrouds:
-                expected += f", including those of shrouds, not {self.blades * sector}"
-            yield Inconsistency("elements_per_blade", expected, ("blades", "shrouds"))
-        if self.elements_per_blade <= len(self.cut_radii):
-            expected = f"at least {len(self.cut_radii) + 1}, for shrouds and masses along the blade"
-            yield Inconsistency("elements_per_blade", expected, ("shrouds", "point_masses"))
-        spans = [0.0, *(point.span for point in self.centre_line)]
-        if len(spans) > 1 and (spans[-1] != 1.0 or any(b <= a for a, b in pairwise(spans))):
-            yield Inconsistency("centre_line", "ascending spans that end with span = 1")
-        yield from self._radius_faults()
-        for key, blades in (
-            *(("shrouds", shroud.cuts) for shroud in self.shrouds),
-            *(("point_masses", mass.blades or ()) for mass in self.point_masses),
-        ):
-            if max(blades, default=0) >= self.blades or len(set(blades)) < len(blades):
-                expected = f"blades from 0 to {self.blades - 1}, each at most once"
-                yield Inconsistency(key, expected, ("blades",))
-        yield from self.mistuning.faults(self.blades)
-
-    def _factor_faults(self, table: SuperelementTable) -> Iterator[Inconsistency]:
-        """Yield errors for mistuning beside a superelement: only the stiffness of blades may
-        differ, and a sector or a wheel needs the stiffness of its blades."""
-        given = self.mistuning.model_dump(exclude_defaults=True)
-        for name in given.keys() - {"stiffness", "stiffness_spread", "seed"}:
-            expected = "not allowed together with bladed_disk.superelement; remove this key"
-            yield Inconsistency(f"mistuning.{name}", expected, ("superelement",))
-        if given and table.kind != "blade" and table.part.blade_stiffness is None:
-            expected = (
-                f'a file with blade_stiffness for bladed_disk.superelement.kind = "{table.kind}",'
-                " which bw.mesh3d writes with blade = GROUP; or remove this key"
-            )
-            yield Inconsistency("mistuning", expected, ("superelement",))
-        yield from self.mistuning.faults(table.copies)
-
-    def _radius_faults(self) -> Iterator[Inconsistency]:
-        root, tip = self.disk_radius, self.tip_radius
-        lengths = self.mistuning.factors("length", self.blades)
-        if len(lengths) == self.blades:
-            shortest = root + float(lengths.min()) * (tip - root)
-            if self.cut_radii and self.cut_radii[-1] >= shortest:
-                expected = f"radii below the shortest blade's tip at {shortest:.6g} m"
-                at_fault = "shrouds" if self.shrouds else "point_masses"
-                yield Inconsistency(at_fault, expected, ("mistuning",))
-        if not all(root < shroud.radius <= tip for shroud in self.shrouds):
-            expected = f"radii above bladed_disk.disk_radius = {root!r}, up to tip_radius = {tip!r}"
-            yield Inconsistency("shrouds", expected, ("disk_radius", "tip_radius"))
-        for one, other in combinations(self.shrouds, 2):
-            if one.radius == other.radius and len({*one.cuts, *other.cuts}) < self.blades:
-                expected = "at most one shroud at each radius between two blades"
-                yield Inconsistency("shrouds", expected)
-        if not all(mass.radius == 0.0 or root <= mass.radius <= tip for mass in self.point_masses):
-            expected = f"radii of 0 or from disk_radius = {root!r} to tip_radius = {tip!r}"
-            yield Inconsistency("point_masses", expected, ("disk_radius", "tip_radius"))
-        if any(mass.radius == 0.0 and mass.blades is not None for mass in self.point_masses):
-            expected = "masses at the centre, radius = 0, without the key blades"
-            yield Inconsistency("point_masses", expected)
-        radii = [ring.radius for ring in self.disk_rings]
-        if not all(radius < root for radius in radii) or len(set(radii)) < len(radii):
-            expected = f"different radii below bladed_disk.disk_radius = {root!r}"
-            yield Inconsistency("disk_rings", expected, ("disk_radius",))
-        hub = sum(mass.mass for mass in self.point_masses if mass.radius == 0.0)
-        if self.disk_kind == "rim" and not hub > 0.0:
-            expected = 'a mass at radius = 0: without it, the centre of a "rim" has no mass'
-            yield Inconsistency("point_masses", expected, ("disk_kind",))
-        if radii and not self.disk_kind.startswith("spokes"):
-            expected = (
-                f'not allowed with bladed_disk.disk_kind = "{self.disk_kind}"; remove the rings, or'
-                ' choose a kind with spokes, such as "spokes-and-rim"'
-            )
-            yield Inconsistency("disk_rings", expected, ("disk_kind",))

@@ -1,22 +1,22 @@
 """The `[casing]` table of a case: the ring around the bladed disk, and its supports."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import Field
 
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.coating import Coating
 from bladewhirl.models.case.wall_profile import ClearanceProfile
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.rules import SAME_ANGLE
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.rectangular import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc, Lobe, LobeRows, RingProfile
 
-SAME_ANGLE = 1e-9  #: difference below which two angles count as equal [rad]
-
-STEEPEST = np.radians(30.0)  #: largest slope of a conical wall [rad]
+STEEPEST = math.radians(30.0)  #: largest slope of a conical wall [rad]
 
 ELEMENTS_PER_LOBE = 4
 """Smallest number of elements per wave. With fewer elements, the error of the clearance, which is a
@@ -49,13 +49,6 @@ class SpringSupport(Table):
     tangential_damping: fields.DampingOrZero = 0.0
     """Tangential damping [N s/m]."""
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a support without stiffness and damping."""
-        if not (self.radial or self.tangential or self.radial_damping or self.tangential_damping):
-            others = ("tangential", "radial_damping", "tangential_damping")
-            expected = f"more than 0 for this key or for {', '.join(others)}"
-            yield Inconsistency("radial", expected, others)
-
 
 class Strut(BeamSection):
     """A straight strut from the wall to the ground."""
@@ -72,11 +65,10 @@ class Strut(BeamSection):
     damping: fields.DampingOrZero = 0.0
     """Damping along the strut [N s/m]."""
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a strut that points inward."""
-        if not abs(self.inclination) < TURN / 4.0:
-            expected = "less than a quarter turn in either direction: struts point outward"
-            yield Inconsistency("inclination", expected)
+
+def steepest(contour: Sequence[tuple[float, float]]) -> float:
+    """Return the largest slope between rows of a contour, in either direction [rad]."""
+    return max(abs(math.atan((s - r) / (b - a))) for (a, r), (b, s) in pairwise(contour))
 
 
 class Casing(Table):
@@ -193,6 +185,21 @@ class Casing(Table):
         )
 
     @property
+    def most_lobes(self) -> int:
+        """Largest number of lobes that the elements resolve."""
+        return fields.MOST if self.type == "rigid" else self.elements // ELEMENTS_PER_LOBE
+
+    @property
+    def overlap(self) -> tuple[Arc, Arc] | None:
+        """First stiffened arc that reaches into the next one, and this one; None without one."""
+        arcs = sorted(self.stiffened_arcs, key=lambda arc: arc.start % TURN)
+        for arc, following in zip(arcs, [*arcs[1:], *arcs[:1]], strict=True):
+            ahead = (following.start - arc.start) % TURN if len(arcs) > 1 else TURN
+            if arc.end - arc.start > ahead + SAME_ANGLE:
+                return arc, following
+        return None
+
+    @property
     def thickness_profile(self) -> RingProfile:
         """Thickness of the wall around the ring, without the stiffened arcs [m]."""
         return RingProfile(
@@ -200,81 +207,3 @@ class Casing(Table):
             lobes=self.thickness_lobes,
             stations=tuple((row.angle, row.thickness) for row in self.thickness_stations),
         )
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for a negative clearance or thickness, for more lobes than the elements
-        resolve, for two thickness stations at one angle, and for stiffened arcs that overlap."""
-        most = fields.MOST if self.type == "rigid" else self.elements // ELEMENTS_PER_LOBE
-        if not abs(self.slope) <= STEEPEST:
-            yield Inconsistency("slope", "from -30 to 30 deg")
-        if self.contour:
-            yield from self._contour_faults()
-        if self.radius is not None and self.type == "ring":
-            expected = (
-                'not allowed with casing.type = "ring", whose radius follows from the tips;'
-                " remove this key"
-            )
-            yield Inconsistency("radius", expected, ("type",))
-        lobes = {
-            "clearance_lobes": self.clearance_lobes,
-            "profile": () if self.profile is None else self.profile.harmonics,
-            "closure.lobes": () if self.closure is None else self.closure.lobes,
-            "thickness_lobes": self.thickness_lobes,
-        }
-        for key, rows in lobes.items():
-            if any(row.lobes > most for row in rows):
-                expected = (
-                    f"at most {most} lobes with casing.elements = {self.elements},"
-                    f" {ELEMENTS_PER_LOBE} elements for each lobe"
-                )
-                yield Inconsistency(key, expected, ("elements",))
-        smallest = self.clearance_profile.smallest
-        if smallest < 0.0 and self.type == "ring":
-            expected = (
-                f"a gap of at least 0 everywhere; with casing.clearance = {self.clearance!r} the"
-                f" smallest gap would be {smallest:.6g} m"
-            )
-            key = "clearance_lobes" if self.profile is None else "profile"
-            yield Inconsistency(key, expected, ("clearance",))
-        if self.closure is not None and not self.clearance:
-            yield Inconsistency("clearance", "more than 0 with casing.closure", ("closure",))
-        elif self.closure is not None and not self.closure.smallest_loss > -self.clearance:
-            expected = (
-                f"a closure that widens the gap by less than casing.clearance = {self.clearance!r};"
-                f" this closure widens the gap by {-self.closure.smallest_loss:.6g} m"
-            )
-            yield Inconsistency("closure", expected, ("clearance",))
-        if not (thinnest := self.thickness_profile.smallest) > 0.0:
-            expected = (
-                f"a thickness above 0 everywhere; its smallest value would be {thinnest:.6g} m"
-            )
-            others = ("wall.thickness", "thickness_stations")
-            yield Inconsistency("thickness_lobes", expected, others)
-        places = np.sort(np.mod([row.angle for row in self.thickness_stations], TURN))
-        if len(places) > 1 and np.diff(places, append=places[0] + TURN).min() < SAME_ANGLE:
-            yield Inconsistency("thickness_stations", "at most one station at each angle")
-        arcs = sorted(self.stiffened_arcs, key=lambda arc: np.mod(arc.start, TURN))
-        for arc, following in zip(arcs, [*arcs[1:], *arcs[:1]], strict=True):
-            ahead = np.mod(following.start - arc.start, TURN) if len(arcs) > 1 else TURN
-            if arc.end - arc.start > ahead + SAME_ANGLE:
-                expected = (
-                    f"arcs that do not overlap; the arc from {arc.start:.6g} rad to"
-                    f" {arc.end:.6g} rad overlaps the next one, which starts at"
-                    f" {following.start:.6g} rad"
-                )
-                yield Inconsistency("stiffened_arcs", expected)
-                break
-
-    def _contour_faults(self) -> Iterator[Inconsistency]:
-        if self.slope:
-            yield Inconsistency("contour", "either a slope or a contour, not both", ("slope",))
-        if self.type == "ring":
-            expected = (
-                'not allowed with casing.type = "ring", which has one slope: give casing.slope'
-            )
-            yield Inconsistency("contour", expected, ("type",))
-        place, radius = np.transpose(self.contour)
-        if len(place) < 2 or np.any(np.diff(place) <= 0.0):
-            yield Inconsistency("contour", "two rows or more, in ascending order of the position")
-        elif np.abs(np.diff(radius) / np.diff(place)).max() > np.tan(STEEPEST):
-            yield Inconsistency("contour", "rows with a slope from -30 to 30 deg between them")

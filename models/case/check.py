@@ -14,7 +14,7 @@ from bladewhirl.models.case.sensors import SENSORS, Sensor, SensorList, sensor_f
 from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.errors import CaseError, Fault, toml_key
 from bladewhirl.models.inputs.fields import EXPECTED
-from bladewhirl.models.inputs.table import INCONSISTENT, Path, Table, value_at
+from bladewhirl.models.inputs.table import INCONSISTENT, Path, Table, path_of, value_at
 
 TAG_ERRORS = ("union_tag_not_found", "union_tag_invalid")
 """pydantic's errors about the type of the excitation or of a sensor."""
@@ -45,7 +45,7 @@ def sensors_from(rows: Sequence[Any], blades: int) -> tuple[Sensor, ...]:
     except ValidationError as error:
         raise CaseError(faults_of(error, {"sensor": rows})) from None
     faults = [
-        Fault(key=dotted(fault.path), value=fault.value, expected=fault.expected)
+        Fault(key=dotted(path_of(fault.key)), value=fault.value, expected=fault.expected)
         for fault in sensor_faults(sensors, blades)
     ]
     if faults:

@@ -1,6 +1,5 @@
 """The `[casing.closure]` table of a case: clearance that is lost over time."""
 
-from collections.abc import Iterator
 from typing import Annotated
 
 import numpy as np
@@ -8,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.wall import FINE, TURN, Lobe, RingProfile
 
 MOST = 10_000  #: largest number of rows of a closure table
@@ -71,17 +70,3 @@ class Closure(Table):
         if self.table:
             return np.asarray(np.interp(time, *np.transpose(self.table)))
         return np.asarray(-self.amount * np.expm1(-time / (self.time_constant or np.inf)))
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for a closure that is not defined, or defined twice, and for a table whose
-        times do not ascend."""
-        if self.table and self.amount:
-            yield Inconsistency("table", "either a table or an amount, not both", ("amount",))
-        if not self.largest:
-            yield Inconsistency("amount", "a closure other than zero, or a table", ("table",))
-        if self.amount and self.time_constant is None:
-            yield Inconsistency("time_constant", "a time, which closure.amount needs", ("amount",))
-        if len(self.table) > MOST:
-            yield Inconsistency("table", f"at most {MOST} rows")
-        if np.any(np.diff([time for time, _ in self.table]) <= 0.0):
-            yield Inconsistency("table", "rows in ascending order of time")

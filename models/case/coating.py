@@ -1,15 +1,14 @@
 """The `[casing.coating]` table of a case: an abradable coating on the inner face of the casing."""
 
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.wall_profile import angle_fault, with_points_of_file
+from bladewhirl.models.case.wall_profile import WallPoints, with_points_of_file
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.wall import TURN, LobeRows
 
 Stress = Annotated[float, fields.quantity("Pa", "not negative")]
@@ -18,7 +17,7 @@ Point = tuple[fields.Angle, fields.LengthOrZero]
 Points = Annotated[tuple[Point, ...], fields.rows('[angle, recess], as in ["90 deg", "0.1 mm"]')]
 
 
-class WornTrack(Table):
+class WornTrack(WallPoints):
     """Removed depth in one track of a coating, for a superelement."""
 
     axial: Annotated[float, fields.quantity("m", "any")]
@@ -26,13 +25,8 @@ class WornTrack(Table):
     points: Points
     """Points of the worn surface, rows as in casing.coating.profile.points."""
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for too few or too many points, and for two points at one angle."""
-        if fault := angle_fault([angle for angle, _ in self.points]):
-            yield Inconsistency("points", fault)
 
-
-class WornProfile(Table):
+class WornProfile(WallPoints):
     """Depth to which a coating is worn before the march."""
 
     points: Points = ()
@@ -61,17 +55,10 @@ class WornProfile(Table):
         """Axial position of each of the tracks [m], ascending, (tracks,)."""
         return np.sort([track.axial for track in self.tracks])
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for too few or too many points, for two points at one angle, for points
-        together with tracks, and for two tracks at one position."""
-        if not (self.points or self.tracks or self.lobes):
-            yield Inconsistency("points", "points, tracks, a file or lobes")
-        if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
-            yield Inconsistency("points", fault)
-        if self.points and self.tracks:
-            yield Inconsistency("tracks", "either points or tracks, not both", ("points",))
-        if len(np.unique(self.axial)) < len(self.tracks):
-            yield Inconsistency("tracks", "at most one track at each axial position")
+    @property
+    def deepest(self) -> float:
+        """Largest removed depth [m]."""
+        return float(self.recess(np.linspace(0.0, TURN, 7200)).max())
 
     def recess(self, angle: FloatArray) -> FloatArray:
         """Return the removed depth [m] at angles [rad], in the shape of the angles; if there
@@ -136,23 +123,3 @@ class Coating(Table):
         if tangent is None:
             return self.hardening or 0.0
         return elastic * tangent / (elastic - tangent)
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for a limit above one, two descriptions of hardening, a tangent modulus that
-        is not below Young's modulus, and a profile deeper than the limit."""
-        if self.limit > 1.0:
-            yield Inconsistency("limit", "a number above 0 and up to 1")
-        if self.hardening is not None and self.tangent_modulus is not None:
-            expected = "either hardening or tangent_modulus, not both"
-            yield Inconsistency("tangent_modulus", expected, ("hardening",))
-        if self.tangent_modulus is not None and not self.tangent_modulus < self.young_modulus:
-            expected = f"less than young_modulus = {self.young_modulus:.6g} Pa"
-            yield Inconsistency("tangent_modulus", expected, ("young_modulus",))
-        if self.profile is not None:
-            deepest = self.profile.recess(np.linspace(0.0, TURN, 7200)).max()
-            if deepest > self.limit * self.thickness:
-                expected = (
-                    "a removed depth up to limit * thickness ="
-                    f" {self.limit * self.thickness:.6g} m, not {deepest:.6g} m"
-                )
-                yield Inconsistency("profile", expected, ("limit", "thickness"))

@@ -1,6 +1,5 @@
 """The `[excitation]` table of a case: loads on a stage, with one class for each type."""
 
-from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -17,7 +16,7 @@ from bladewhirl.models.inputs.fields import (
     number,
     quantity,
 )
-from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
+from bladewhirl.models.inputs.table import ReplacedKeys, Table
 from bladewhirl.models.inputs.units import Speed
 
 
@@ -174,21 +173,6 @@ class Imbalance(Table):
             return self.unbalance
         return self.balance.grade * self.balance.mass / self.balance.speed.rad_per_s(reference)
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error unless exactly one of the keys that determine the unbalance is given."""
-        given = [name for name in _SIZES if getattr(self, name) is not None]
-        if len(given) != 1:
-            expected = "either unbalance or clearance_speed, not both"
-            if "balance" in given:
-                expected = f"balance without {' and '.join({*given} - {'balance'})}"
-            yield Inconsistency("unbalance", expected, ("clearance_speed",))
-
-    def faults(self, key: str, blades: int) -> Iterator[Inconsistency]:
-        """Yield an error if there is no such blade; `key` is the dotted key of the excitation."""
-        if self.blade is not None and self.blade >= blades:
-            expected = f"a blade from 0 to {blades - 1}"
-            yield Inconsistency(f"{key}.blade", expected, ("bladed_disk.blades",))
-
 
 _SIZES = ("clearance_speed", "unbalance", "balance")
 """Keys that determine the unbalance."""
@@ -248,23 +232,6 @@ class EngineOrder(ReplacedKeys):
         if isinstance(self.direction, str):
             return {"radial": 0.0, "tangential": 0.5 * np.pi}[self.direction]
         return self.direction
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error if a static load has a phase for each blade, or if the place of a force is
-        given twice."""
-        if self.points and "position" in self.model_fields_set:
-            yield Inconsistency("points", "not allowed together with position", ("position",))
-        if isinstance(self.phase, tuple) and 0 in self.order:
-            yield Inconsistency("phase", "one number with the engine order 0", ("order",))
-
-    def faults(self, key: str, blades: int) -> Iterator[Inconsistency]:
-        """Yield the lists that do not have one number for each blade; `key` is the dotted key of
-        the excitation."""
-        for name in ("phase", "factors"):
-            values = getattr(self, name)
-            if isinstance(values, tuple) and values and len(values) != blades:
-                expected = f"{blades} numbers, one for each blade, not {len(values)}"
-                yield Inconsistency(f"{key}.{name}", expected, ("bladed_disk.blades",))
 
 
 ONE, SEVERAL = "one", "several"

@@ -14,7 +14,8 @@ from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
 from bladewhirl.models.inputs.fields import Length, expectation, file_path, positive
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.rules import Inconsistency
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
 KEY = "bladed_disk.mesh"
@@ -95,7 +96,7 @@ class MeshTable(Table):
         except CaseError as error:
             for fault in error.faults:
                 key = fault.key.removeprefix(f"{KEY}.")
-                yield Inconsistency(key, fault.expected, ("file",), fault.value)
+                yield Inconsistency(key, fault.expected, fault.value)
         else:
             self._tip_points = tuple((x, y) for x, y in (lines.points[tips] * self.metres).tolist())
 

@@ -10,7 +10,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.rules import Inconsistency
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.wall import TURN
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
@@ -144,16 +145,6 @@ class StrainGauge(SensorTable):
         side = "" if self.side == "+theta" else "-minus"
         return f"{at}{side}" if self.blade == "all" else f"blade-{self.blade}-{at}{side}"
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error unless exactly one of span, element, gauge and point is given, and a
-        direction with a point only."""
-        if [self.span, self.element, self.gauge, self.point].count(None) != 3:
-            expected = "one of span, element, gauge and point"
-            yield Inconsistency("span", expected, ("element", "gauge", "point"))
-        if (self.point is None) != (self.direction is None):
-            expected = "both point and direction, or neither"
-            yield Inconsistency("direction", expected, ("point",))
-
 
 class TipTiming(SensorTable):
     """Probes in the casing that record when the blade tips arrive."""
@@ -260,9 +251,8 @@ def sensor_faults(sensors: Iterable[Sensor], blades: int) -> Iterator[Inconsiste
         blade = sensor.blade if isinstance(sensor, StrainGauge) else "all"
         if isinstance(blade, int) and blade >= blades:
             expected = f'"all" or a blade from 0 to {blades - 1}'
-            others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
-            yield Inconsistency(f"sensor.{number}.blade", expected, others, blade)
+            yield Inconsistency(f"sensor.{number}.blade", expected, blade)
         first = names.setdefault(sensor.label.lower(), number)
         if first != number:
             expected = f"a different name; sensor[{first}] has this one"
-            yield Inconsistency(f"sensor.{number}.name", expected, ("sensor",), sensor.label)
+            yield Inconsistency(f"sensor.{number}.name", expected, sensor.label)

@@ -1,12 +1,11 @@
 """The `[shaft]` and `[rotation]` tables of a case."""
 
-from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, StrictBool
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, StiffnessOrZero, quantity
-from bladewhirl.models.inputs.table import Inconsistency, ReplacedKeys, Table
+from bladewhirl.models.inputs.table import ReplacedKeys, Table
 from bladewhirl.models.structure.rotating import Effects
 
 
@@ -22,14 +21,6 @@ class Rotation(Table):
     """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest: the
     static growth of the tips at march.speed is then subtracted. The growth is computed only with
     rotation.effects = "centrifugal" or "full", so "cold" needs one of these."""
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a cold clearance (measured at rest) without rotation effects."""
-        if self.effects == "none" and self.clearance == "cold":
-            expected = (
-                '"hot", or rotation.effects = "centrifugal" or "full": only then do tips grow'
-            )
-            yield Inconsistency("clearance", expected, ("effects",))
 
 
 class Shaft(ReplacedKeys):
@@ -76,30 +67,6 @@ class Shaft(ReplacedKeys):
     """Stiffness of each spring after the support has fused [N/m]."""
     clamped: StrictBool = False
     """Fix the centre instead of supporting it by springs."""
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for unequal dampers in the static frame, and for springs specified twice."""
-        if self.suspension_frequency is not None:
-            given = [name for name in ("stiffness_y", "clamped") if getattr(self, name)]
-            if "stiffness" in self.model_fields_set:
-                given.insert(0, "stiffness")
-            if given:
-                expected = f"not allowed together with shaft.{given[0]}; remove one of them"
-                yield Inconsistency("suspension_frequency", expected, tuple(given))
-        fuse = self.fuse_force, self.fused_stiffness
-        if None in fuse and fuse != (None, None):
-            key = "fuse_force" if self.fuse_force is None else "fused_stiffness"
-            other = {"fuse_force": "fused_stiffness", "fused_stiffness": "fuse_force"}[key]
-            yield Inconsistency(key, f"a value with shaft.{other}", (other,))
-        if self.fuse_force is not None and self.clamped:
-            expected = "springs, shaft.clamped = false; a clamped centre has no force to fuse at"
-            yield Inconsistency("fuse_force", expected, ("clamped",))
-        if self.fuse_force is not None and self.anisotropy:
-            expected = 'equal springs or shaft.frame = "rotating" with shaft.fuse_force'
-            yield Inconsistency("stiffness_y", expected, ("fuse_force",))
-        if self.damping_frame == "static" and len(set(self.dampings)) > 1:
-            expected = 'the value of shaft.damping, or shaft.damping_frame = "rotating"'
-            yield Inconsistency("damping_y", expected, ("damping", "damping_frame"))
 
     @property
     def stiffnesses(self) -> tuple[float, float]:

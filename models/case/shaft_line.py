@@ -1,12 +1,11 @@
 """The `[shaft_line]` and `[gravity]` tables of a case: a flexible shaft with disks and bearings."""
 
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, StrictStr
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 
 Coordinate = Annotated[float, fields.quantity("m", "any")]
 Pair = tuple[float, float]
@@ -62,15 +61,6 @@ class Segment(Table):
     poisson_ratio: Annotated[float, fields.number("not negative")] = 0.3
     """Poisson's ratio, from which the shear modulus E / (2 + 2 nu) follows."""
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a bore that is wider than the segment, or an impossible ratio."""
-        smallest = min(self.outer_diameter, self.end_outer_diameter or self.outer_diameter)
-        if not self.inner_diameter < smallest:
-            expected = f"less than the outer diameter, {smallest:.6g} m"
-            yield Inconsistency("inner_diameter", expected, ("outer_diameter",))
-        if not self.poisson_ratio < 0.5:
-            yield Inconsistency("poisson_ratio", "less than 0.5")
-
 
 class RigidDisk(Table):
     """A rigid disk on the shaft, which tilts with it."""
@@ -85,12 +75,6 @@ class RigidDisk(Table):
     """Moment of inertia about a diameter through the centre of mass [kg m2]."""
     offset: Coordinate = 0.0
     """Position of the centre of mass along z, relative to `position` [m]."""
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for inertias that no body has."""
-        if self.polar_inertia > 2.0 * self.diametral_inertia * (1.0 + 1e-9):
-            expected = f"at most twice diametral_inertia = {self.diametral_inertia:g} kg m2"
-            yield Inconsistency("polar_inertia", expected, ("diametral_inertia",))
 
 
 class BearingSupport(Table):
@@ -139,11 +123,6 @@ class Unbalance(Table):
     couple_phase: fields.Angle = 0.0
     """Angle of the couple from the x axis of the shaft [rad]."""
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a row without unbalance."""
-        if not (self.unbalance or self.couple):
-            yield Inconsistency("unbalance", "more than 0 for this key or for couple", ("couple",))
-
 
 class ShaftLine(Table):
     """A flexible shaft along z with rigid disks, bearings, supports and unbalances, in place of
@@ -183,18 +162,21 @@ class ShaftLine(Table):
     """Internal damping of the shaft, with the stress E (strain + loss_time d strain / dt) [s]. It
     acts in rotating axes, and destabilises forward whirl above its critical speed."""
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for a missing part, and for parts that are not on the shaft."""
-        for key in ("segments", "bearings"):
-            if not getattr(self, key):
-                yield Inconsistency(key, "at least one row")
-        end = self.start + sum(segment.length for segment in self.segments)
-        for key in ("disks", "bearings", "unbalance"):
-            for number, row in enumerate(getattr(self, key)):
-                slack = 1e-9 * (end - self.start)
-                if not self.start - slack <= row.position <= end + slack:
-                    expected = f"a position on the shaft, from {self.start:g} m to {end:g} m"
-                    yield Inconsistency(f"{key}.{number}.position", expected, ("segments",))
+    @property
+    def end(self) -> float:
+        """Position of the right end along z [m]."""
+        return self.start + sum(segment.length for segment in self.segments)
+
+    @property
+    def off_the_shaft(self) -> list[str]:
+        """Keys of the positions that are not on the shaft."""
+        slack = 1e-9 * (self.end - self.start)
+        return [
+            f"{key}.{number}.position"
+            for key in ("disks", "bearings", "unbalance")
+            for number, row in enumerate(getattr(self, key))
+            if not self.start - slack <= row.position <= self.end + slack
+        ]
 
     @property
     def positions(self) -> tuple[float, ...]:
@@ -212,24 +194,20 @@ USED = ("title", "material", "shaft_line", "gravity", "march")
 """Tables of a case with a shaft line; of [march] only the speed."""
 
 
-def line_faults(case: Table) -> Iterator[Inconsistency]:
-    """Yield the tables and keys that have no effect in a case with or without a shaft line."""
+def beside_line(case: Table) -> list[str]:
+    """Return the tables and keys that have no effect in a case with a shaft line."""
     given = {
         name: value
         for name, field in type(case).model_fields.items()
         if (value := getattr(case, name)) != field.default
     }
     if "shaft_line" not in given:
-        if "gravity" in given:
-            yield Inconsistency("gravity", "not allowed without [shaft_line]; remove this table")
-        return
-    others = [name for name in given if name not in USED]
+        return []
     march = given["march"].model_dump(exclude_defaults=True) if "march" in given else {}
-    others += [f"march.{name}" for name in march if name != "speed"]
-    for name in others:
-        part = "key" if "." in name else "table"
-        expected = f"not allowed together with [shaft_line]; remove this {part}"
-        yield Inconsistency(name, expected, ("shaft_line",))
+    return [
+        *(name for name in given if name not in USED),
+        *(f"march.{name}" for name in march if name != "speed"),
+    ]
 
 
 class Gravity(Table):

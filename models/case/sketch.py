@@ -21,7 +21,8 @@ from bladewhirl.models.inputs.fields import (
     quantity,
     text,
 )
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.rules import Inconsistency
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.rectangular import Section
 
 _REFERENCE = re.compile(r"(?P<name>[A-Za-z_][\w ]*)(?P<shift>[+-]\d{1,6})?", re.ASCII)

@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import model_validator
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table, path_of, value_at
+from bladewhirl.models.inputs.rules import Inconsistency
+from bladewhirl.models.inputs.table import Table, path_of, value_at
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 SOURCE = "bladed_disk.superelement"  #: key of the table
@@ -83,25 +84,14 @@ class SuperelementTable(Table):
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield errors for an unreadable file, and for a file that does not fit its kind."""
         try:
-            part = self.part
+            _ = self.part
         except SuperelementError as error:
             prefix = f"{self.file}: "
             for line in error.args:
                 text = str(line).removeprefix(prefix)
                 yield Inconsistency("file", f"a superelement: {text}")
-            return
-        if self.kind == "sector" and part.left_dofs is None:
-            yield Inconsistency("kind", "a file with left_dofs and right_dofs for a sector")
-        if self.kind != "sector" and part.left_dofs is not None:
-            yield Inconsistency("kind", '"sector" for a file with the faces of a sector')
-        if self.kind == "sector" and self.copies < 2:
-            yield Inconsistency("copies", "at least 2 sectors")
-        elif self.kind == "sector" and part.sectors not in (None, self.copies):
-            yield Inconsistency("copies", f"{part.sectors}, the number of sectors in the file")
-        if self.kind == "wheel" and part.contacts % self.copies:
-            yield Inconsistency("copies", f"a divisor of the {part.contacts} contact nodes")
-        if self.kind != "wheel" and part.centre_dofs is not None:
-            yield Inconsistency("kind", '"wheel" for a file with centre_dofs')
+        else:
+            yield from super().inconsistencies()
 
 
 def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:

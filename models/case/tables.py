@@ -14,7 +14,7 @@ from bladewhirl.models.case.sensors import SensorRows
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.shaft_line import Gravity, ShaftLine
 from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.case.superelement import with_defaults
+from bladewhirl.models.case.superelement import SuperelementTable, with_defaults
 from bladewhirl.models.inputs.table import ReplacedKeys
 from bladewhirl.models.sections.rectangular import Material
 
@@ -60,6 +60,11 @@ class Tables(ReplacedKeys):
     @classmethod
     def _of_superelement(cls, given: Any) -> Any:
         return with_defaults(given) if isinstance(given, Mapping) else given
+
+    @property
+    def superelement(self) -> SuperelementTable | None:
+        """The table bladed_disk.superelement."""
+        return self.bladed_disk.superelement
 
     @property
     def excitations(self) -> Mapping[str, Excitation]:

@@ -3,7 +3,6 @@
 import csv
 import os
 import re
-from collections.abc import Iterator
 from itertools import islice
 from typing import Annotated, Any
 
@@ -12,13 +11,11 @@ from pydantic import model_validator
 
 from bladewhirl.files import csv_rows, plain
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import to_si
 from bladewhirl.models.sections.wall import TURN, LobeRows
 
 FEWEST, MOST = 8, 20_000  #: smallest and largest number of points of a profile
-
-SAME_ANGLE = 1e-9  #: points closer than this angle [rad] are at one angle
 
 HEADING = re.compile(r"\s*(\w+)(?:\s+at\s+([^\[\]]*[^\[\]\s]))?\s*\[([^\]]+)\]\s*")
 """Pattern of the heading of a column: name, axial position if there is one, unit."""
@@ -26,7 +23,13 @@ HEADING = re.compile(r"\s*(\w+)(?:\s+at\s+([^\[\]]*[^\[\]\s]))?\s*\[([^\]]+)\]\s
 Point = tuple[fields.Angle, Annotated[float, fields.quantity("m", "any")]]
 
 
-class ClearanceProfile(Table):
+class WallPoints(Table):
+    """A table with points around a wall."""
+
+    points: tuple[tuple[float, float], ...] = ()
+
+
+class ClearanceProfile(WallPoints):
     """A measured clearance around the casing, in place of a constant one."""
 
     points: Annotated[
@@ -44,23 +47,6 @@ class ClearanceProfile(Table):
     @classmethod
     def _from_file(cls, values: Any) -> Any:
         return with_points_of_file(values, "clearance")
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error for too few or too many points, and for two points at one angle."""
-        if not (self.points or self.harmonics):
-            yield Inconsistency("points", "points, a file or harmonics")
-        if self.points and (fault := angle_fault([angle for angle, _ in self.points])):
-            yield Inconsistency("points", fault)
-
-
-def angle_fault(given: list[float]) -> str:
-    """Return a text that says which points of a profile are valid; an empty text if the points at
-    the given angles [rad] are valid."""
-    if not FEWEST <= len(given) <= MOST:
-        return f"{FEWEST} to {MOST} points, not {len(given)}"
-    angles = np.sort(np.mod(given, TURN))
-    apart = np.diff(angles, append=angles[0] + TURN).min() > SAME_ANGLE
-    return "" if apart else "at most one value at each angle of a turn"
 
 
 def with_points_of_file(values: Any, column: str, *, tracked: bool = False) -> Any:

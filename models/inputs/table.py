@@ -2,10 +2,11 @@
 
 import ast
 import inspect
+import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import pairwise
 from textwrap import dedent
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
@@ -18,26 +19,12 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from bladewhirl.models.inputs.errors import demand
+from bladewhirl.models.inputs.rules import Inconsistency, broken
 
 Path = tuple[str | int, ...]  #: keys and row numbers from a table to a value
 
 INCONSISTENT = "inconsistent"
 """Type of the errors raised here; their context contains the fields of an `Inconsistency`."""
-
-
-class Inconsistency(NamedTuple):
-    """Contradiction between values that are valid by themselves; keys are relative to the table."""
-
-    key: str  #: key to report; a row of an array is a number, as in "sensor.0.blade"
-    expected: str  #: text that completes "expected ...", or a complete text, "not allowed ..."
-    others: tuple[str, ...] = ()  #: keys whose values contradict the value of `key`
-    value: object = None  #: value to show in place of the value of `key`
-    place: str = ""  #: name of a part of the table that has no key, shown in place of a key
-
-    @property
-    def path(self) -> Path:
-        """Names and row numbers of which `key` consists."""
-        return path_of(self.key)
 
 
 def path_of(key: str) -> Path:
@@ -84,8 +71,10 @@ class Table(BaseModel):
         return {name: found[name] for name in cls.model_fields if name in found}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield the values of this table that contradict each other."""
-        yield from ()
+        """Yield the values of this table that contradict each other: those that break the rules
+        under the names of its class and the bases of its class."""
+        for kind in type(self).__mro__:
+            yield from broken(kind.__name__, self, sys.modules[kind.__module__])
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -94,8 +83,8 @@ class Table(BaseModel):
                 type=PydanticCustomError(
                     INCONSISTENT, "{demand}", fault._asdict() | {"demand": demand(fault.expected)}
                 ),
-                loc=fault.path,
-                input=self if fault.value or fault.place else value_at(self, fault.path),
+                loc=path_of(fault.key),
+                input=self if fault.value or fault.place else value_at(self, path_of(fault.key)),
             )
             for fault in self.inconsistencies()
         ]

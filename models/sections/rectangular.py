@@ -1,6 +1,6 @@
 """Rectangular beam sections, their materials, and the stiffness and mass of lines of a mesh."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Annotated, ClassVar, Generic, TypeVar
 
@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, StrictStr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.fields import Density, Length, Modulus, positive, rows
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 
 
 class BeamSection(Table):
@@ -56,12 +56,6 @@ class Material(Table):
     ] = ()
     """More materials, rows of { name = "titanium", young_modulus = "114 GPa", density = 4430.0 },
     for sections that name a material: { material = "titanium", ... }."""
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error if two materials have the same name."""
-        names = [one.name for one in self.named]
-        if len(set(names)) < len(names):
-            yield Inconsistency("named", "a different name for each material")
 
     @property
     def lowest_yield_strength(self) -> float | None:

@@ -12,7 +12,6 @@ All sections are centred on the same circle. The model therefore omits the addit
 the eccentricity of a one-sided rib.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Annotated, Any
@@ -31,7 +30,7 @@ from bladewhirl.models.inputs.fields import (
     count,
     rows,
 )
-from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.sections.rectangular import Rectangle, Section
 
 TURN = 2.0 * np.pi
@@ -137,12 +136,6 @@ class Arc(Table):
     """Young's modulus [Pa]."""
     density: Density | None = None
     """Density [kg/m3]."""
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield an error if the arc has no length or is longer than a full turn."""
-        if not 0.0 < self.end - self.start <= TURN:
-            expected = f"more than start = {self.start:.6g} rad and at most one turn after it"
-            yield Inconsistency("end", expected, ("start",))
 
     def share(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Return the share of each interval that is inside the arc, in the shape of the intervals.

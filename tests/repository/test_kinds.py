@@ -25,7 +25,7 @@ BUILDERS = {
     "models/case/bladed_disk.py",  # the table that has either
 }
 
-LEFT = {"models/case/superelement_rules.py": 1}
+LEFT = {"models/case/case.py": 1}
 
 
 def test_no_further_place_asks_for_the_kind_of_a_stage() -> None:
