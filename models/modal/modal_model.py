@@ -56,7 +56,7 @@ class ModalModel(ABC):
 
     def covering(self, highest: float) -> "ModalModel":
         """Return the model for speeds up to the highest one [rad/s], on which a basis of modes may
-        depend."""
+        depend; what takes long is computed."""
         return self
 
     @property

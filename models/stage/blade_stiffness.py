@@ -16,8 +16,8 @@ from bladewhirl.models.stage.forced import (
     forced_beams,
     forced_stage,
 )
-from bladewhirl.models.stage.stage import Stage, rotor_at
-from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.stage.stage import Stage, build_stage, rotor_at
+from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
 from bladewhirl.models.stage.superelement_structure import wheel_over_speeds
 
 
@@ -111,19 +111,20 @@ def tuned_sectors(stage: SuperelementStage, loads: EngineOrders, omega: float) -
 def _with_blades(stage: SuperelementStage, omega: float) -> tuple[SuperelementStage, FloatArray]:
     """Return a stage of tuned sectors, with a file with blade_stiffness, reduced at a speed
     [rad/s], and the stiffness of each blade on its modes [1/s2], (sectors, modes, modes)."""
-    wheel = wheel_over_speeds(stage.case, stage.table.part, omega)
+    wheel = wheel_over_speeds(stage.case, stage.given, omega)
     at = omega if stage.case.rotation.effects != "none" else 0.0
     part, reduced = wheel.at(at)
-    points = np.arange(part.point_count // stage.table.copies)
-    own = replace(stage, part=part, reduced=reduced, shown=points)
-    return own, wheel.blades_at(at)
+    return replace(stage, part=part, reduced=reduced), wheel.blades_at(at)
 
 
-def without_mistuning(case: Case) -> Case:
-    """Return a case with equal blades."""
+def tuned_stage(case: Case) -> Stage | SuperelementStage:
+    """Return the stage of a case with equal blades, for `tuned_beams` or `tuned_sectors`."""
     disk = case.bladed_disk
-    tuned = type(disk.mistuning)()
-    return case.model_copy(update={"bladed_disk": disk.model_copy(update={"mistuning": tuned})})
+    tuned = disk.model_copy(update={"mistuning": type(disk.mistuning)()})
+    case = case.model_copy(update={"bladed_disk": tuned})
+    if disk.superelement is None:
+        return build_stage(case)
+    return superelement_stage(case, blades=True)
 
 
 def drawn_factors(case: Case, draws: int) -> FloatArray:

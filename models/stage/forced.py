@@ -166,7 +166,9 @@ def forced_superelement(
     for omega in omegas:
         if stage.case.rotation.effects != "none":
             at_speed = {"march.speed": omega / reference}
-            stage = superelement_stage(with_values(stage.case, at_speed), stage.ring)
+            stage = superelement_stage(
+                with_values(stage.case, at_speed), stage.ring, blades=stage.blades
+            )
         yield forced_stage(stage, loads, omega)
 
 

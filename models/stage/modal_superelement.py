@@ -11,7 +11,6 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import faults_at
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
@@ -54,9 +53,10 @@ from bladewhirl.models.superelements.nodal_blocks import (
 )
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
 
-COUPLED, COUPLED_AT_ONE_SPEED = 20, 100
-"""Number of further modes of each nodal diameter, which rotation, damping or a wall may couple to
-the chosen ones: for modes at many speeds, and for those at the speed of the case."""
+COUPLED, COUPLED_AT_ONE_SPEED, COUPLED_IN_SECTORS = 20, 100, 8
+"""Number of further modes, which rotation, damping or a wall may couple to the chosen ones: of each
+nodal diameter of a wheel or blade for modes at many speeds; of the whole for those at the speed of
+the case; and of each nodal diameter of sectors, see `sector_blocks`."""
 
 FEWEST = 4  #: number of modes of each nodal diameter that are computed first where nothing couples
 
@@ -66,19 +66,42 @@ class ModalSuperelement(ModalModel):
     """A superelement, or its copies, and the casing in their modes."""
 
     stage: SuperelementStage  #: the structure at rest
-    blocks: Blocks
-    """Matrices of each nodal diameter, with the effects of the rotation on this structure only."""
-    clamped_blocks: Blocks | None  #: the same with a clamped centre; None if no centre moves
     families: int  #: number of families
     count: int | None  #: number of modes to list; all if None
     highest: float  #: highest speed for which the blocks are made [rad/s]
 
     def covering(self, highest: float) -> "ModalSuperelement":
-        if self.case.rotation.effects == "none" or highest <= self.highest:
-            return self
-        return modal_superelement(
-            self.case, families=self.families, count=self.count, highest=highest
-        )
+        model = self
+        if self.case.rotation.effects != "none" and highest > self.highest:
+            model = replace(self, highest=highest)
+        assert model.blocks
+        return model
+
+    @property
+    def blocks(self) -> Blocks:
+        """Matrices of each nodal diameter, with the effects of the rotation on this structure only;
+        computed at first use.
+
+        Raises:
+            CaseError: the superelement cannot be reduced as the case demands.
+        """
+        return self._all_blocks[0]
+
+    @property
+    def clamped_blocks(self) -> Blocks | None:
+        """The same with a clamped centre; None if no centre moves."""
+        return self._all_blocks[1]
+
+    @cached_property
+    def _all_blocks(self) -> tuple[Blocks, Blocks | None]:
+        try:
+            found = _blocks(self)
+        except SuperelementError as error:
+            raise CaseError(faults_at(self.case, f"{SOURCE}.file", error)) from None
+        effects = self.case.rotation.effects
+        blocks, clamped = (each and _acted_on(each, effects) for each in found)
+        assert blocks is not None
+        return blocks, clamped
 
     @property
     def effects(self) -> Effects:
@@ -309,7 +332,8 @@ class ModalSuperelement(ModalModel):
 def modal_superelement(
     case: Case, *, families: int = FAMILIES, count: int | None = None, highest: float = 0.0
 ) -> ModalSuperelement:
-    """Compute the modes of a superelement and of the casing.
+    """Return a superelement and the casing in their modes, of which those of the superelement are
+    computed at first use.
 
     Args:
         case: case with a superelement.
@@ -322,56 +346,72 @@ def modal_superelement(
     """
     table = case.bladed_disk.superelement
     assert table is not None
-    still, part, clamped = without_rotation(case), structure_of(case), None
-    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
-    equal = table.kind == "sector" and not mistuned and case.reduction.boundary == "massless"
-    each = families if count is None else count
-    if equal and count is not None:
-        still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))), part)
+    still = without_rotation(case)
+    if _is_of_equal_sectors(case) and count is not None:
+        still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
     stage = superelement_stage(still)
     if case.rotation.effects != "none":
         highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
-    couples = part.gyroscopic is not None or part.damping is not None
-    if count is None or (case.rotation.effects != "none" and not equal):
-        couples = True  # at speeds between those of the blocks, and where the wall holds tips
-    coupled = COUPLED if count is None else COUPLED_AT_ONE_SPEED
-    further = coupled if couples else 0
-    try:
-        if table.kind == "blade":
-            blocks = blade_blocks(part, table.copies, each + further, highest)
-        elif mistuned and table.kind == "sector":
-            blocks = {UNKNOWN: block_of(superelement_stage(case).reduced)}
-        elif equal and count is not None:
-            blocks = _lowest_blocks(still, stage.given, count, further, highest)
-        elif table.kind == "sector":
-            blocks = sector_blocks(stage.given, table.copies, each + further, highest)
-        else:
-            total = (each + further) * (table.copies if count is None else 1)
-            springs = case.shaft.stiffnesses
-            part = part if part.centre_dofs is None else on_springs(case, part)
-            blocks = wheel_blocks(part, springs, table.copies, total, highest)
-            if part.centre_dofs is not None:
-                fixed = with_clamped_centre(part)
-                clamped = wheel_blocks(fixed, springs, table.copies, total, highest)
-    except SuperelementError as error:
-        raise CaseError(faults_at(case, f"{SOURCE}.file", error)) from None
     return ModalSuperelement(
         case=case,
         reference_frequency=stage.reference_frequency,
         casing=None if stage.ring is None else stage.ring.casing,
         casing_modes=no_modes() if stage.ring is None else stage.ring.casing_modes,
         stage=stage,
-        blocks=_acted_on(blocks, case.rotation.effects),
-        clamped_blocks=None if clamped is None else _acted_on(clamped, case.rotation.effects),
         families=families,
         count=count,
         highest=highest,
     )
 
 
-def _with_modes(case: Case, each: int, part: Superelement) -> Case:
+def _is_of_equal_sectors(case: Case) -> bool:
+    """Return whether the modes of sectors with a massless boundary are listed."""
+    table = case.bladed_disk.superelement
+    assert table is not None
+    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
+    return table.kind == "sector" and not mistuned and case.reduction.boundary == "massless"
+
+
+def _blocks(model: ModalSuperelement) -> tuple[Blocks, Blocks | None]:
+    """Return the blocks of a structure, and those with a clamped centre if its centre moves.
+
+    Raises:
+        SuperelementError: the superelement cannot be reduced as the case demands.
+    """
+    case, stage, count, highest = model.case, model.stage, model.count, model.highest
+    table, part, equal = stage.table, structure_of(case), _is_of_equal_sectors(case)
+    each = model.families if count is None else count
+    couples = part.gyroscopic is not None or part.damping is not None
+    if count is None or (case.rotation.effects != "none" and not equal):
+        couples = True  # at speeds between those of the blocks, and where the wall holds tips
+    coupled = COUPLED if count is None else COUPLED_AT_ONE_SPEED
+    if table.kind == "sector":
+        coupled = COUPLED_IN_SECTORS
+    further = coupled if couples else 0
+    if table.kind == "blade":
+        return blade_blocks(part, table.copies, each + further, highest), None
+    if case.bladed_disk.mistuning.is_given(table.copies) and table.kind == "sector":
+        return {UNKNOWN: block_of(superelement_stage(case).reduced)}, None
+    if equal and count is not None:
+        return _lowest_blocks(stage.case, stage.given, count, further, highest), None
+    if table.kind == "sector":
+        return sector_blocks(stage.given, table.copies, each + further, highest), None
+    total = (each + further) * (table.copies if count is None else 1)
+    springs = case.shaft.stiffnesses
+    part = part if part.centre_dofs is None else on_springs(case, part)
+    blocks = wheel_blocks(part, springs, table.copies, total, highest)
+    if part.centre_dofs is None:
+        return blocks, None
+    fixed = with_clamped_centre(part)
+    return blocks, wheel_blocks(fixed, springs, table.copies, total, highest)
+
+
+def _with_modes(case: Case, each: int) -> Case:
     """Return a case whose sector is reduced to some modes of each nodal diameter, or all but one
     of them."""
+    table = case.bladed_disk.superelement
+    assert table is not None
+    part = table.part
     assert part.right_dofs is not None
     most = part.size - int(np.count_nonzero(part.right_dofs != FIXED)) - 1
     reduction = case.reduction.model_copy(update={"free_interface_modes": min(each, most)})
@@ -395,14 +435,14 @@ def _lowest_blocks(
     while True:
         each = still.reduction.free_interface_modes
         if highest or further:
-            blocks = sector_blocks(equal, table.copies, each + further, highest)
+            blocks = sector_blocks(equal, table.copies, each + further, highest, between=False)
         else:
             blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0).blocks))
         squares = [la.eigvalsh(block.stiffness_at(highest))[:each] for block in blocks.values()]
         reached = min(found.max() for found in squares)
         if each >= count or np.count_nonzero(np.concatenate(squares) <= reached) >= count:
             return blocks
-        still = _with_modes(still, 2 * each, part)
+        still = _with_modes(still, 2 * each)
         if still.reduction.free_interface_modes == each:
             return blocks
 

@@ -94,6 +94,7 @@ class SuperelementStage:
     """Function that returns the reduction at another speed [rad/s]."""
     frequency_at_rest: float | None = None
     """Reference frequency of the structure at rest [rad/s], if `part` has effects of rotation."""
+    blades: bool = False  #: whether the stiffness of each of the equal blades of sectors is needed
 
     @property
     def table(self) -> SuperelementTable:
@@ -433,12 +434,15 @@ class SuperelementStage:
             raise CaseError([case_fault(self.case, "casing.clearance", expected)])
 
 
-def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStage:
+def superelement_stage(
+    case: Case, ring: Ring | None = None, *, blades: bool = False
+) -> SuperelementStage:
     """Return the stage of a case with a superelement.
 
     Args:
         case: the case.
         ring: its flexible casing, if it is known.
+        blades: whether the stiffness of each of the equal blades of sectors is needed.
 
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
@@ -467,7 +471,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
     if not of_waves:
         name = "free" if case.reduction.boundary == "massless" else "fixed"
         key = f"reduction.{name}_interface_modes"
-    reduced_at = partial(_reduced_at, case, part, factor, omega)
+    reduced_at = partial(_reduced_at, case, part, factor, omega, blades)
     try:
         given, part, reduced = reduced_at(omega, others=_other_speeds(case, at_rest))
     except SuperelementError as error:
@@ -497,6 +501,7 @@ def superelement_stage(case: Case, ring: Ring | None = None) -> SuperelementStag
         reduced_at=lambda speed: reduced_at(speed)[2],
         ring=flexible_ring(case) if ring is None and case.casing.type == "ring" else ring,
         frequency_at_rest=at_rest,
+        blades=blades,
     )
     hertz = stage.reference_frequency / (2.0 * np.pi)
     if hertz > HIGHEST:
@@ -513,6 +518,7 @@ def _reduced_at(
     part: Superelement,
     factor: FloatArray,
     highest: float,
+    blades: bool,
     omega: float,
     others: Sequence[float] = (),
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
@@ -523,6 +529,7 @@ def _reduced_at(
         part: superelement at rest.
         factor: factor on the stiffness of each blade, (blades,).
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
+        blades: whether the stiffness of equal blades is needed.
         omega: speed [rad/s].
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `massless` and `consistent`.
@@ -534,7 +541,7 @@ def _reduced_at(
     assert table is not None
     if table.kind == "sector" and reduction.boundary == "massless":
         speeds = omega, highest
-        found = wheel_of_sectors(case, part, speeds, factor, others)
+        found = wheel_of_sectors(case, part, speeds, factor, others, blades=blades)
         return part, *found
     root, slower, effects = None, list[Superelement](), case.rotation.effects
     if effects != "none":

@@ -122,6 +122,8 @@ def wheel_of_sectors(
     speeds: tuple[float, float],
     factor: FloatArray,
     others: Sequence[float] = (),
+    *,
+    blades: bool = False,
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
 
@@ -132,25 +134,28 @@ def wheel_of_sectors(
         factor: factor on the stiffness of each blade, (sectors,).
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `further_modes.further`.
+        blades: whether the stiffness of equal blades is needed, see `wheel_over_speeds`.
     """
     table = case.bladed_disk.superelement
     assert table is not None
     mistuned = case.bladed_disk.mistuning.is_given(table.copies)
-    if not mistuned:
+    if not (mistuned or blades):
         part = replace(part, blade_stiffness=None)
     omega, highest = speeds
     return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None, others)
 
 
 def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:
-    """Return a wheel of sectors for the `range_of` a speed [rad/s]."""
+    """Return a wheel of sectors for the `range_of` a speed [rad/s]; with `blade_stiffness` it has
+    the stiffness of each blade."""
     table, effects = case.bladed_disk.superelement, case.rotation.effects
     assert table is not None
     if effects == "centrifugal":
         part = replace(part, gyroscopic=None)
     modes, highest = case.reduction.free_interface_modes, range_of(omega)
     return WheelOverSpeeds(
-        part, table.copies, modes, 0.0 if effects == "none" else highest, table.file
+        *(part, table.copies, modes, 0.0 if effects == "none" else highest, table.file),
+        mistuned=case.bladed_disk.mistuning.is_given(table.copies),
     )
 
 

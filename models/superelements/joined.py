@@ -19,9 +19,12 @@ LEAST_MASS = 1e-8  #: least mass of a motion of unit stiffness, divided by the l
 Field = TypeVar("Field", FloatArray, ComplexArray)
 
 
-def over_speeds(part: Superelement, highest: float) -> tuple[Superelement, ...]:
+def over_speeds(
+    part: Superelement, highest: float, *, between: bool = True
+) -> tuple[Superelement, ...]:
     """Return a structure at rest and at half and all of the highest speed [rad/s], with K + Omega^2
-    M in place of the stiffness K: the modes are the same, and rotation softens none of them.
+    M in place of the stiffness K: the modes are the same, and rotation softens none of them. The
+    structure at half the speed is only needed for speeds `between`.
 
     The modes of all three together describe motions at any speed in between, which those at rest
     alone do slowly: 160 modes of each nodal diameter of a sector of solids leave an error of 1e-3
@@ -30,7 +33,7 @@ def over_speeds(part: Superelement, highest: float) -> tuple[Superelement, ...]:
     """
     if part.stiffness_speed is None or highest == 0.0:
         return (part,)
-    speeds = 0.5 * highest, highest
+    speeds = (0.5 * highest, highest) if between else (highest,)
     turning = map(part.at, speeds)
     return part, *(
         replace(each, stiffness=each.stiffness + omega**2 * part.mass)

@@ -22,6 +22,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import of_modes
 from bladewhirl.models.superelements.reduction import RIGID_SECTOR, ReducedSuperelement, root_of
+from bladewhirl.models.superelements.stresses import InModes
 from bladewhirl.models.superelements.superelement import (
     FIXED,
     IndefiniteError,
@@ -167,6 +168,9 @@ def stiffened(
     softer = np.repeat(scale, len(rest) // len(factor))
     static = (rest / squares[modes:]) @ rest.T
 
+    def in_kept(of_modes: InModes) -> InModes:
+        return lambda given: of_modes(kept if given is None else kept @ given)
+
     def points_by_force(sums: sp.csr_array) -> FloatArray:
         own = sums @ sp.diags_array(np.repeat(scale, sums.shape[1] // len(factor)))
         moved = (sums @ reduced.points) @ (turn[:, modes:] / squares[modes:])
@@ -178,8 +182,8 @@ def stiffened(
         reduced,
         **own | of_modes(squares[:modes]),
         compliance=softer[:, None] * reduced.compliance * softer + static,
-        of_points=lambda: reduced.points @ kept,
+        of_points=in_kept(reduced.of_points),
         points_by_force=points_by_force,
-        stress=None if stress is None else replace(stress, modes=stress.modes @ kept),
+        stress=None if stress is None else replace(stress, of_modes=in_kept(stress.of_modes)),
         kept=modes,
     )

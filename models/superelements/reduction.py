@@ -32,10 +32,12 @@ from bladewhirl.models.superelements.diameters import turned_to_diameters
 from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
+    InModes,
     ReducedStress,
     load_columns,
     recovered_rows,
     reduced_stress,
+    rows_in_modes,
 )
 from bladewhirl.models.superelements.superelement import (
     IndefiniteError,
@@ -91,7 +93,7 @@ class ReducedSuperelement(Rotating[Matrix]):
     centre: FloatArray
     """x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes); zero if there is no
     centre."""
-    of_points: Callable[[], FloatArray]  #: computes `points`
+    of_points: InModes  #: computes `points`
     points_by_force: Callable[[sp.csr_array], FloatArray]
     """Function from rows on the displacements of the points, (rows, 3p), to these sums of
     displacements by unit contact forces without their part in the modes [m/N], (rows, 3c); it is
@@ -127,7 +129,7 @@ class ReducedSuperelement(Rotating[Matrix]):
     def points(self) -> FloatArray:
         """x, y and z of the points for pictures, for unit modal coordinates [kg^-1/2], (3p,
         modes)."""
-        return self.of_points()
+        return self.of_points(None)
 
 
 def massless(
@@ -295,7 +297,7 @@ def _reduced(
         contact=part.contact_rows @ shapes,
         compliance=compliance,
         centre=centre,
-        of_points=lambda: np.asarray(rows["points"] @ shapes),
+        of_points=rows_in_modes(rows["points"], shapes),
         points_by_force=lambda sums: np.asarray(sums @ by_force),
         strains=np.asarray(rows["strains"] @ shapes),
         strains_by_force=np.asarray(rows["strains"] @ moved[:, : 3 * part.contacts])[None],

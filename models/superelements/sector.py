@@ -128,10 +128,10 @@ class Wave(Pencil):
         self._schur = la.cho_factor(schur, lower=True, overwrite_a=True)
 
     def stiffness(self, x: Any) -> Any:
-        return self._on_wave(self._sector.stiffness, x)
+        return self.on_wave(self._sector.stiffness, x)
 
     def mass(self, x: Any) -> Any:
-        return self._on_wave(self._sector.mass, x)
+        return self.on_wave(self._sector.mass, x)
 
     def shifted_solution(self, loads: Any) -> Any:
         sector = self._sector
@@ -143,7 +143,8 @@ class Wave(Pencil):
         faces = self._faces @ la.cho_solve(self._schur, onto)
         return self._typed(sector.factor.backward(inner, _real(faces)))[sector.kept]
 
-    def _on_wave(self, matrix: sp.csr_array, x: Any) -> Any:
+    def on_wave(self, matrix: sp.csr_array, x: Any) -> Any:
+        """Return the product of a matrix of the sector with columns on the wave, (n, m)."""
         return self._back @ self._typed(matrix @ _real(self.tie @ x))
 
     def _typed(self, columns: FloatArray) -> Any:

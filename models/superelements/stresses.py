@@ -9,7 +9,9 @@ contact forces f without their part in the modes (so that the stress under stati
 and the static displacements u by the centrifugal forces M X of the structure, `centrifugal_load`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,12 +24,17 @@ RECOVERED = {"points": "recovery", "strains": "strain_recovery", "stresses": "st
 """Names of what is recovered from the coordinates, and of its rows in the superelement."""
 
 
+InModes = Callable[[FloatArray | None], FloatArray]
+"""Function that returns a quantity at all points, (rows, m), in combinations of modes, (modes, m);
+in the modes themselves for None. It may be large, and is computed where it is needed."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReducedStress:
     """Stress at the points of a reduced superelement, in the axes of its file; in those of each
     sector for a wheel from a sector."""
 
-    modes: FloatArray  #: stress for unit modal coordinates [Pa kg^-1/2/m], (6p, modes)
+    of_modes: InModes  #: computes `modes`
     forces: FloatArray
     """Stress by unit contact forces without their part in the modes [Pa/N], (1, 6p, 3c); for a
     wheel from a sector that of a sector by forces on the sector that is a number of sectors behind,
@@ -35,6 +42,16 @@ class ReducedStress:
     steady: FloatArray | None
     """Stress by the centrifugal forces at 1 rad/s [Pa s2], (6p,); None if the file does not give
     them."""
+
+    @cached_property
+    def modes(self) -> FloatArray:
+        """Stress for unit modal coordinates [Pa kg^-1/2/m], (6p, modes)."""
+        return self.of_modes(None)
+
+
+def rows_in_modes(rows: Matrix, shapes: FloatArray) -> InModes:
+    """Return the function of rows on the coordinates, (rows, n), and modes, (n, modes)."""
+    return lambda turn: np.asarray(rows @ (shapes if turn is None else shapes @ turn))
 
 
 def recovered_rows(part: Superelement) -> dict[str, Matrix]:
@@ -71,7 +88,7 @@ def reduced_stress(
         loads = shapes[:, elastic].T @ part.centrifugal_load / squares[elastic]
         steady = rows @ (moved[:, 3 * part.contacts] + shapes[:, elastic] @ loads)
     return ReducedStress(
-        modes=np.asarray(rows @ shapes),
+        of_modes=rows_in_modes(rows, shapes),
         forces=np.asarray(rows @ moved[:, : 3 * part.contacts])[None],
         steady=steady,
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,16 +76,20 @@ class WheelOverSpeeds:
         modes: int,
         highest: float = 0.0,
         file: str | None = None,
+        *,
+        mistuned: bool = True,
     ) -> None:
         """Reduce the sector, or read what was kept of an earlier reduction.
 
         Args:
-            part: sector with left_dofs and right_dofs; with blade_stiffness if blades differ.
+            part: sector with left_dofs and right_dofs; with blade_stiffness if blades differ, or
+                their stiffness is needed.
             sectors: number of sectors.
             modes: number of free-interface modes of each nodal diameter at a speed; if it has two
                 waves, of each of them.
             highest: highest speed [rad/s].
             file: file of the sector, beside which its reduction is kept; None to keep nothing.
+            mistuned: whether blades with blade_stiffness differ.
 
         Raises:
             SuperelementError: the sector has too few coordinates, takes too much memory, or has
@@ -95,15 +100,16 @@ class WheelOverSpeeds:
         if modes >= size:
             expected = f"fewer than {size} free-interface modes, the coordinates of a sector"
             raise SuperelementError(Fault(expected=expected))
-        count = modes + (FURTHER_MODES if highest or own is not None else 0)
+        differ = mistuned and own is not None
+        count = modes + (FURTHER_MODES if highest or differ else 0)
 
         def compute() -> Arrays:
-            found = sector_blocks(part, sectors, count, highest, touched=True)
+            found = sector_blocks(part, sectors, count, highest, touched=True, mistuned=differ)
             arrays = flattened(replace(each, blade=None) for each in found.values())
             fields = [each.blade for each in found.values() if each.blade is not None]
             return arrays | ({} if own is None else {"products": blade_products(own, fields)})
 
-        settings = (sectors, modes, highest)
+        settings = (sectors, modes, highest, differ)
         kept = compute() if file is None else kept_reduction(file, part, settings, compute)
         self._products = kept.get("products")
         self.blocks: list[NodalBlock] = restored(NodalBlock, sectors // 2 + 1, kept)
@@ -158,14 +164,10 @@ def _expanded(
     matrices: dict[str, list[FloatArray]] = {name: [] for name in first.given(coupled)}
     loads: dict[str, list[FloatArray]] = {name: [] for name in first.given(Rotating.LOADS)}
     roots = list[FloatArray]()
-    rows_of: dict[str, list[FloatArray]] = {"contact": [], "strains": [], "stresses": []}
     squares = []
     for k, wave in enumerate(waves):
         pair = 0 < 2 * k < sectors
-        for phases in _real_waves(k, spread):
-            for name, parts in rows_of.items():
-                field = getattr(wave.block, name)
-                parts.append(np.vstack([(one * field).real for one in phases]))
+        for _ in _real_waves(k, spread):
             squares.append(wave.squares)
             for name, parts in loads.items():  # those of nodal diameter 0, on all sectors
                 parts.append(np.sqrt(sectors) * getattr(wave.block, name).real)
@@ -174,21 +176,29 @@ def _expanded(
         if wave.root is not None:
             roots.append(_on_waves(wave.root, pair=pair))
     order, steady = _order(waves, sectors), waves[0].steady
-    moved_by = {name: np.hstack(parts)[:, order] for name, parts in rows_of.items()}
+    place = np.argsort(order)
     flexibility = _by_distance([wave.residual for wave in waves], sectors)
     compliance = np.block(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
     )
 
-    def points() -> FloatArray:
-        moved = []
+    def in_modes(name: str, turn: FloatArray | None = None) -> FloatArray:
+        """Return a quantity of all sectors, such as "contact", in combinations of modes."""
+        count = sectors * len(getattr(first, name))
+        found, start = np.zeros((count, len(order) if turn is None else turn.shape[1])), 0
         for k, wave in enumerate(waves):
             for phases in _real_waves(k, spread):
-                each = np.stack([(one * wave.block.points).real for one in phases])
-                each = each.reshape(sectors, -1, 3, each.shape[-1])
-                turned = rotate(each, spread[:, None, None], axis=2)
-                moved.append(turned.reshape(-1, each.shape[-1]))
-        return np.hstack(moved)[:, order]
+                each = np.stack([(one * getattr(wave.block, name)).real for one in phases])
+                modes = each.shape[-1]
+                if name == "points":
+                    each = each.reshape(sectors, -1, 3, modes)
+                    each = rotate(each, spread[:, None, None], axis=2)
+                among, start = place[start : start + modes], start + modes
+                if turn is None:
+                    found[:, among] = each.reshape(count, modes)
+                else:
+                    found += each.reshape(count, modes) @ turn[among]
+        return found
 
     def points_by_force(sums: sp.csr_array) -> FloatArray:
         given = sums.toarray().reshape(sums.shape[0], sectors, -1, 3)
@@ -207,16 +217,16 @@ def _expanded(
         **{name: np.concatenate(parts)[order] for name, parts in loads.items()},
         root=la.block_diag(*roots)[order][:, order] if roots else None,
         speed=first.speed,
-        contact=moved_by["contact"],
+        contact=in_modes("contact"),
         compliance=0.5 * (compliance + compliance.T),
         centre=np.zeros((2, len(values))),
-        of_points=points,
+        of_points=partial(in_modes, "points"),
         points_by_force=points_by_force,
-        strains=moved_by["strains"],
+        strains=in_modes("strains"),
         strains_by_force=_by_distance([wave.by_force["strains"] for wave in waves], sectors),
         stress=(
             ReducedStress(
-                modes=moved_by["stresses"],
+                of_modes=partial(in_modes, "stresses"),
                 forces=_by_distance([wave.by_force["stresses"] for wave in waves], sectors),
                 steady=np.tile(steady, sectors) if len(steady) else None,
             )

@@ -10,7 +10,13 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, name_written, progress_bar, reduction_bar
+from bladewhirl.studies.commands.terminal import (
+    QUIET,
+    emit,
+    name_written,
+    progress_bar,
+    reduction_bar,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -146,7 +152,7 @@ def campbell(
         return
     if html is not None:
         checked_target(html, ".html")
-    stage = _model(case, overrides, families=families)
+    stage = _model(case, overrides, speeds, families=families)
     first, last = speeds.values(stage.reference_frequency).tolist()
     ends = None
     if operating is not None:
@@ -245,21 +251,23 @@ def response(
             included.
         draws: Number of random patterns of the stiffness of blades.
     """
-    from bladewhirl.models.stage.marched import marched_stage
     from bladewhirl.studies.modal import response as study
 
     if line := _of_line(case, overrides, {"--draws": draws}, "response", speeds=speeds.values):
         present(line, case, output, overwrite=overwrite, json=json)
         return
-    with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
-        stage = marched_stage(read)
-        multiples = speeds.values(stage.reference_frequency).tolist()
+    given = speeds.speeds
+    with (
+        options.case_of(case, overrides) as read,
+        reduction_bar(),
+        progress_bar("speeds", lines="speeds", quiet=QUIET) as progress,
+    ):
         if draws is None:
-            found = study.report(study.response(stage, speeds=multiples, progress=progress))
+            found = study.report(study.response(read, speeds=given, progress=progress))
         else:
             from bladewhirl.studies.modal.amplification import amplification, report
 
-            found = report(amplification(stage, draws=draws, speeds=multiples, progress=progress))
+            found = report(amplification(read, draws=draws, speeds=given, progress=progress))
     present(found, case, output, overwrite=overwrite, json=json)
 
 
@@ -375,14 +383,19 @@ def _whole_numbers(name: str, given: str | None) -> tuple[int, ...]:
     return tuple(map(int, words))
 
 
-def _model(case: Path, overrides: list[str] | None, **numbers: int) -> ModalModel:
-    """Return bladed disk and casing of a case file with changes, in their modes; `numbers` are
-    those of `modal_model`."""
+def _model(
+    case: Path, overrides: list[str] | None, speeds: options.Span | None = None, **numbers: int
+) -> ModalModel:
+    """Return bladed disk and casing of a case file with changes, in their modes, for the speeds of
+    an option; `numbers` are those of `modal_model`."""
     from bladewhirl.models.stage.modal import modal_model
     from bladewhirl.studies.runs.properties import speed_hint
 
     with options.case_of(case, overrides) as read, reduction_bar():
         model = modal_model(read, **numbers)
+        reference = model.reference_frequency
+        highest = 0.0 if speeds is None else speeds.values(reference)[-1] * reference
+        model = model.covering(float(highest))
     if hint := speed_hint(model.case, model.speed):
         typer.echo(f"Hint: {hint}.", err=True)
     return model
@@ -397,14 +410,15 @@ def present(
     json: bool,
     unnamed: bool = False,
 ) -> None:
-    """Draw the figures of a study into the folder that the user named, or into CASE-COMMAND if
-    nothing else is written and `unnamed` is false; print the tables or the JSON document."""
+    """Print the tables or the JSON document of a study; then draw its figures into the folder that
+    the user named, or into CASE-COMMAND if nothing else is written and `unnamed` is false."""
     unnamed = unnamed or json or study.figures is None or study.page is not None
     folder = output if output is not None or unnamed else Path(f"{case.stem}-{study.name}")
+    emit(study.document, *study.tables, json=json)
+    _print_hints(study)
     if folder is not None:
         study.draw(folder, overwrite=overwrite)
-    emit(study.document, *study.tables, json=json, written=[folder, study.page])
-    _print_hints(study)
+    name_written([folder, study.page], json=json)
 
 
 def _print_hints(study: Study) -> None:

@@ -131,6 +131,16 @@ class Span:
             raise UserError(f"{self.source}: expected a START of zero or more and a STOP above it")
         return values
 
+    @property
+    def speeds(self) -> list[float | str]:
+        """All speeds as they are given: multiples of the reference frequency, or text.
+
+        Raises:
+            UserError: the speeds are not in order.
+        """
+        self.values()
+        return [each if isinstance(each, float) else each.given for each in self.given]
+
 
 def span(name: str, *, unit: str = "", stepped: bool = False, help_text: str | None = None) -> Any:
     """Return the typer option of a `Span`; its default is given as text, which typer parses.

@@ -15,6 +15,7 @@ from contextlib import ExitStack, contextmanager
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 
 import typer
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 LINES = 10  #: number of lines in a log for a complete job
+
+QUIET = 2.0  #: time in which analyses before a march write no lines of progress [s]
 
 RATE_PERIOD = 3600.0  #: time over which the rate of progress is averaged [s]
 
@@ -103,25 +106,27 @@ def reduction_bar() -> Iterator[None]:
     from bladewhirl.models.superelements.solver import reduction_progress
 
     with ExitStack() as stack:
-        bar = cache(lambda: stack.enter_context(progress_bar("reducing the superelement")))
+        label, noun = "reducing the superelement", "solutions of the reduction"
+        bar = cache(lambda: stack.enter_context(progress_bar(label, lines=noun, quiet=QUIET)))
         stack.enter_context(reduction_progress(lambda done, total: bar()(done, total)))
         yield
 
 
 @contextmanager
-def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
+def progress_bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator[Update]:
     """Show a bar that disappears at the end of the job.
 
     Args:
         label: text before the bar.
         lines: noun of the counted items, such as "points", in the lines that are written if there
             is no terminal; if empty, no lines are written.
+        quiet: time at the beginning in which no lines are written [s].
     """
     from rich import progress as bars
 
     console = _console()
     terminal = console.is_terminal
-    last = (0, -1)  # total, tenth
+    last, start = (0, -1), monotonic()  # total, tenth
     with bars.Progress(
         bars.TextColumn("{task.description}"),
         bars.BarColumn(),
@@ -143,7 +148,8 @@ def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
             text = (text or f"{done / max(total, 1):4.0%}") + failures
             bar.update(task, completed=done, total=total, description=label or None, text=text)
             tenth = (total, LINES * done // max(total, 1))
-            if lines and not terminal and done and tenth != last:
+            late = monotonic() - start >= quiet
+            if lines and not terminal and done and tenth != last and late:
                 last, left = tenth, bar.tasks[0].time_remaining
                 remaining = f", {timedelta(seconds=round(left))} left" if left else ""
                 typer.echo(f"{done} of {total} {lines}{failures}{remaining}", err=True)

@@ -18,9 +18,10 @@ from scipy.stats import binom
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # has no types
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.machine import cores
-from bladewhirl.models.stage.blade_stiffness import TunedRotor, drawn_factors, without_mistuning
+from bladewhirl.models.stage.blade_stiffness import TunedRotor, drawn_factors, tuned_stage
 from bladewhirl.models.stage.marched import Marchable, marched_stage
 from bladewhirl.models.superelements.reduction import root_of
 from bladewhirl.postprocess.modal.response import largest_in_period
@@ -100,9 +101,9 @@ def amplification(
     """
     if draws < 1:
         raise UserError(f"response: draws {draws}: expected at least 1")
-    given = marched_stage(case_or_stage)
-    factors = drawn_factors(given.case, draws)
-    stage = marched_stage(without_mistuning(given.case))
+    given = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
+    factors = drawn_factors(given, draws)
+    stage = marched_stage(tuned_stage(given))
     reference, loads = stage.reference_frequency, engine_orders(stage.case)
     if any(0 in load.order for load in loads):
         raise UserError("response: draws: expected engine orders of 1 or more; order 0 is static")
@@ -146,7 +147,7 @@ def amplification(
             "case": stage.case.title,
             "reference_frequency_hz": reference / (2.0 * np.pi),
             "whitehead_bound": 0.5 * (1.0 + np.sqrt(blades)),
-            "stiffness_spread": given.case.bladed_disk.mistuning.stiffness_spread,
+            "stiffness_spread": given.bladed_disk.mistuning.stiffness_spread,
         },
     )
 

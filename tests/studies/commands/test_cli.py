@@ -166,7 +166,7 @@ def test_a_reduction_is_announced_when_it_makes_progress(monkeypatch: pytest.Mon
     begun: list[str] = []
 
     @contextmanager
-    def bar(label: str, *, lines: str = "") -> Iterator[Callable[..., None]]:
+    def bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator[Callable[..., None]]:
         begun.append(label)
         yield lambda *_: None
 

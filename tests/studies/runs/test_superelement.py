@@ -147,7 +147,7 @@ def test_numbers_that_are_not_finite_end_before_the_march(file: Path, key: str) 
     stage = superelement_stage(bw.case_from(tables(file)))
     wrong = dense(getattr(stage.reduced, key))
     wrong.flat[0] = np.nan
-    changed: dict[str, Any] = {"of_points": lambda: wrong} if key == "points" else {key: wrong}
+    changed: dict[str, Any] = {"of_points": lambda turn: wrong} if key == "points" else {key: wrong}
     stage = replace(stage, reduced=replace(stage.reduced, **changed))
     with pytest.raises(bw.UserError, match="of the stage: expected finite numbers"):
         prepare(stage)
