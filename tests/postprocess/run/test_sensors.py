@@ -186,6 +186,20 @@ def test_a_blade_is_at_the_probe_when_it_arrives(speed: float) -> None:
     np.testing.assert_allclose(np.angle(np.exp(1j * apart)), 0.0, atol=80.0 * 1e-7)
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_tips_may_swing_faster_than_the_rotor_turns_but_not_backward(sense: float) -> None:
+    result = bending(401)
+    rate = sense * 1.2 * 80.0  # of mode 2, the rotation about the centre
+    for name, values in (("displacement", rate * result["time"].values), ("velocity", rate)):
+        result[f"rotor_{name}"][:, 2], result[f"rotor_{name}"][:, 3] = values, 0.0
+    if sense < 0.0:
+        with pytest.raises(ViewError, match="tips that turn forward"):
+            tip_timing(result, ["0 deg"])
+        return
+    arrival = tip_timing(result, ["0 deg"])["arrival"].sel(blade=0)[0].dropna("revolution")
+    np.testing.assert_allclose(np.diff(arrival), 2.0 * np.pi / (2.2 * 80.0), rtol=1e-9)
+
+
 def test_what_cannot_be_timed_is_refused() -> None:
     with pytest.raises(ViewError, match="at least four records a revolution"):
         tip_timing(bending(11))

@@ -14,6 +14,7 @@ from bladewhirl.postprocess.run import torques as torques_of_runs
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
+from bladewhirl.postprocess.run.waterfall import sensor_waterfall
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
@@ -188,6 +189,18 @@ def test_the_waterfall_of_a_probe_has_the_order_of_the_imbalance(through: xr.Dat
     late = slice(len(strongest) // 3, None)
     resolution = 4.0 * np.diff(data["probe_frequency"].values)[0]
     np.testing.assert_allclose(strongest[late], data["probe_speed"].values[late], atol=resolution)
+
+
+def test_windows_of_a_waterfall_are_as_long_as_the_speed_of_their_change_allows(
+    through: xr.Dataset,
+) -> None:
+    """7,100 rpm in 50 ms are 2,367 Hz/s: a window of 2 / sqrt(rate) = 41.1 ms; an amplitude of 3 in
+    it is drawn as 3."""
+    time = through["time"].values
+    signal = xr.DataArray(3.0 * np.cos(600.0 * time), {"time": time}, attrs={"type": "centre"})
+    data = sensor_waterfall(xr.Dataset({"probe": signal}), through)
+    assert float(data["probe_time"][0]) == pytest.approx(0.5 * 41.1e-3, rel=5e-3)
+    assert float(data["probe"].max()) == pytest.approx(3.0, rel=1e-2)
 
 
 def test_a_constant_speed_has_no_waterfall(through: xr.Dataset) -> None:

@@ -1,6 +1,8 @@
 """Periodic motions against closed forms and against marches with small steps."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import scipy.optimize as so
 from boundary_cases import bladed
 from periodic_cases import decay, marched, rub, states, twisted_blade
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import (
@@ -19,7 +22,7 @@ from bladewhirl.solvers.periodic.contact import (
     solve,
 )
 from bladewhirl.solvers.periodic.search import periodic_motion
-from bladewhirl.solvers.periodic.stability import monodromy
+from bladewhirl.solvers.periodic.stability import _Answers, monodromy
 from bladewhirl.studies.verification.periodic import STOP, oscillator
 
 
@@ -101,6 +104,44 @@ def test_newton_has_the_derivatives_of_its_equations() -> None:
     for part in (slice(half), slice(half, None)):
         largest = np.abs(expected[part]).max()
         assert 0.5 * (up - down)[part] == pytest.approx(expected[part], abs=1e-6 * largest)
+
+
+def test_deviations_of_forces_keep_gaps_closed_and_oppose_the_slip() -> None:
+    """Two nodes that slide in any direction: the linear deviations of their forces against the
+    forces for states a little apart."""
+    random, nodes = np.random.default_rng(4), np.arange(2)
+    friction, step, normal, angle = 0.3, 0.2, np.array([2.0, 3.0]), np.array([0.7, -2.1])
+    half, place, velocity = random.normal(size=(3, 6, 6))
+    compliance = 4.0 * np.eye(6) + 0.3 * random.normal(size=(6, 6))
+    flexible, rate = place @ half + compliance, velocity @ half + compliance / step
+    slip = 5.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    def force(values: FloatArray) -> FloatArray:
+        pressed, way = values.reshape(2, 2)
+        ways = np.stack([np.ones(2), friction * np.cos(way), friction * np.sin(way)], axis=1)
+        return np.asarray((-pressed[:, None] * ways).ravel())
+
+    def miss(values: FloatArray, state: FloatArray, before: FloatArray) -> FloatArray:
+        change, way = force(values) - force(base), values[2:]
+        gap = (place @ state + flexible @ change)[::3]
+        moved = velocity @ state + rate @ change - compliance @ before / step
+        across, axial = (slip + moved.reshape(2, 3)[:, 1:]).T
+        return np.concatenate([gap, np.cos(way) * axial - np.sin(way) * across])
+
+    base = np.concatenate([normal, angle])
+    whole: Any = SimpleNamespace(
+        turns=True, friction=friction, step=step, compliance=compliance, slip=slip[None]
+    )
+    whole.ways = -force(np.concatenate([np.ones(2), angle])).reshape(1, 2, 3)
+    whole.normal, whole.angle = normal[None], angle[None]
+    answers = _Answers(whole, place, velocity, flexible, rate)
+    found = answers.forces(0, nodes, np.eye(6, 12), np.eye(6, 12, 6))
+    for expected, change in zip(found.T, 1e-5 * np.eye(12), strict=True):
+        up, down = (
+            force(so.fsolve(miss, base, (sign * change[:6], sign * change[6:]), xtol=1e-13))
+            for sign in (1.0, -1.0)
+        )
+        assert (up - down) / 2e-5 == pytest.approx(expected, rel=1e-6)
 
 
 def test_responses_are_those_of_the_frequency_response() -> None:

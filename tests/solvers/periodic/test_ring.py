@@ -142,6 +142,26 @@ def test_harmonics_of_the_ring_are_its_modes() -> None:
     assert ring.between(0.0, angle) @ force == pytest.approx(by_modes, abs=1e-3 * by_modes.max())
 
 
+@pytest.mark.parametrize("speed", [700.0, -300.0])
+def test_responses_to_harmonics_are_those_of_constant_forces_in_steps(speed: float) -> None:
+    """The forces are the mean of those at both ends of each step; steps of the ring itself are
+    exact, and repeat after a period. The harmonics converge slowly in velocities."""
+    both = Ring.of_casing(bladed_ring(1, 0.05).casing)
+    order, shape, mode = both.both_ways
+    ring = Ring(order, both.frequency[mode], both.damping_ratio[mode], shape)
+    instants, unit, harmonic = 16, 1000.0, 5
+    step = 2.0 * np.pi / abs(speed) / instants
+    carried, held = ring.transition(speed, unit, step)
+    ahead = np.exp(2j * np.pi * harmonic / instants)
+    matrix = ahead * np.eye(2) - carried
+    state = np.linalg.solve(matrix, 0.5 * (1.0 + ahead) * held[..., None])[..., 0]
+    expected = np.einsum("ks,ka,kb->sab", state, shape, shape.conj())
+    expected[0] /= unit
+    found = both.answers(1, speed, 1, np.zeros(1), instants)[:, harmonic]
+    for one, other in zip(found, expected, strict=True):
+        assert one == pytest.approx(other, abs=1e-2 * np.abs(other).max())
+
+
 def test_loads_of_one_order_are_judged_together() -> None:
     """The cosine and the sine part alone are not the same on all blades; a standing wave on the
     blades is no engine order."""

@@ -104,6 +104,15 @@ def test_every_variable_of_a_branch_has_a_unit(begun: Path) -> None:
     assert all(units.values())
 
 
+def test_amplitudes_of_harmonics_have_the_mean_square_of_the_motion(begun: Path) -> None:
+    """That of a cosine is half of its squared amplitude."""
+    with xr.open_dataset(begun / "branch.nc") as stored:
+        moved, amplitude = stored["contact_displacement"], stored["amplitude"]
+        square = amplitude.isel(order=0) ** 2 + 0.5 * (amplitude[:, 1:] ** 2).sum("order")
+        expected = (moved**2).mean("instant").values
+    np.testing.assert_allclose(square.values, expected, rtol=1e-3, atol=1e-3 * expected.max())
+
+
 @pytest.mark.parametrize(
     "words",
     [
