@@ -140,8 +140,8 @@ static void predict_drive(March *m)
     r->elements = r->next * (double)m->stage.casing->nodes / (2.0 * PI);
 }
 
-/* Return the change of the radius of the wall by the angle at a tip [m]. */
-static double wall_slope(const March *m, int64_t tip)
+/* Return the change of the radius of the wall by the angle at a tip [m], with a closure [m]. */
+static double wall_slope(const March *m, int64_t tip, double closed)
 {
     const Casing *casing = m->stage.casing;
     const FieldScratch *f = &m->scratch->fields;
@@ -151,30 +151,33 @@ static double wall_slope(const March *m, int64_t tip)
     double weight[4] = {-6.0 * xi * rest, length * rest * (1.0 - 3.0 * xi), 6.0 * xi * rest,
                         length * xi * (3.0 * xi - 2.0)};
     double slope = hermite_value(nodal, f->element.at[tip], weight, 1);
+    if (closed != 0.0)
+        slope -= closed * hermite_value(&m->stage.closure->share, f->element.at[tip], weight, 1);
     return slope * (double)casing->nodes / (2.0 * PI);
 }
 
-/* Return the torque of the contact forces at the end of the step. */
-static double contact_torque(const March *m)
+/* Return the torque of the contact forces at the end of the step, at a time. */
+static double contact_torque(const March *m, double time)
 {
     const Rotor *rotor = m->stage.rotor;
-    double torque = 0.0;
+    const Closure *closure = m->stage.closure;
+    double torque = 0.0, rate, closed = closure ? closure_at(closure, time, &rate) : 0.0;
     for (int64_t j = 0; j < m->state->gap.size; j++) {
         const double *force = m->state->force.at + DIRECTIONS * j;
         if (force[RADIAL] < 0.0)
             torque += force[TANGENTIAL] * rotor->radius.at[j]
-                      - force[RADIAL] * rotor->normal_part.at[j] * wall_slope(m, j);
+                      - force[RADIAL] * rotor->normal_part.at[j] * wall_slope(m, j, closed);
     }
     return torque;
 }
 
 /* Advance the state of the drive by an accepted step. */
-static void account_drive(March *m, int touching)
+static void account_drive(March *m, int64_t step, int touching)
 {
     const Numbers *n = m->stage.numbers;
     const Rotation *r = &m->rotation;
     double *s = m->state->drive.at, dt = n->time_step;
-    double contact = touching ? contact_torque(m) : 0.0;
+    double contact = touching ? contact_torque(m, (double)(step + 1) * dt) : 0.0;
     /* The work of the forces that the changes of acceleration and square in `predict_drive` add. */
     const double *coupled = m->scratch->speed.coupled.at, *along = m->stage.drive->along.at;
     const double *stiffened = m->scratch->speed.stiffened.at;

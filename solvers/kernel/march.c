@@ -104,7 +104,7 @@ static inline void account(March *m, int64_t step, int touching)
     if (m->stage.speed)
         account_speed(m);
     if (m->stage.drive)
-        account_drive(m, touching);
+        account_drive(m, step, touching);
     if (m->stage.dampers) {
         const double *force = s->damper_force.at;
         work[DAMPING] += damper_loss(&m->stage.dampers->rotor, x, s->stroke.at, force);

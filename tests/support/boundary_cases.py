@@ -48,10 +48,11 @@ def bladed(
     ring: ReducedCasing | None = None,
     coating: WallCoating | None = None,
     by_velocity: FloatArray | None = None,
+    seed: int = 7,
     **changes: Any,
 ) -> ContactProblem:
     """Equal blades of random modes that move outward, in an oval wall or in a ring."""
-    random, modes = np.random.default_rng(7), 8
+    random, modes = np.random.default_rng(seed), 8
     square = random.standard_normal((3 * nodes, 3 * nodes))
     flexibility = 3e-9 * (square @ square.T / nodes + np.eye(3 * nodes))
     contact = random.standard_normal((3 * nodes, modes))
@@ -200,38 +201,41 @@ def contact_forces(
     p: ContactProblem,
     flexible: FloatArray,
     gap: FloatArray,
-    change: FloatArray,
+    slip: FloatArray,
     force: FloatArray,
-    direction: FloatArray,
     rods: list[Rods],
-) -> tuple[FloatArray, FloatArray]:
-    """Contact forces and directions of friction after a step, by Gauss-Seidel iterations.
+) -> FloatArray:
+    """Contact forces after a step by Gauss-Seidel iterations, (nodes, 3). With full sliding the
+    friction of each node is projected on its cone; nodes stick or slide.
 
     Args:
         p: problem.
         flexible: displacements for unit forces [m/N], (nodes, 3, nodes, 3).
         gap: gaps without forces [m], (nodes,).
-        change: slip on the wall in the step without forces [m], (nodes, 3).
+        slip: slip on the wall in the step without forces [m], (nodes, 3).
         force: forces before the step [N], (nodes, 3).
-        direction: directions of friction before the step, (nodes, 2).
         rods: rods under each node, empty without a coating.
+
+    Raises:
+        ArithmeticError: the iterations do not converge.
     """
-    normal, direction = -force[:, 0], direction.copy()
-    for _ in range(9000):
-        before = normal.copy()
-        ways = np.column_stack([-np.ones(len(gap)), -p.friction * direction])
-        answer = np.einsum("iajb,jb->iaj", flexible, ways)
-        for i, unit in enumerate(-np.diag(answer[:, 0])):
-            free = gap[i] - answer[i, 0] @ normal - unit * normal[i]
-            normal[i] = rods[i].force(free, unit) if rods else max(0.0, -free / unit)
-        if p.sliding == "full":
-            slip = change[:, 1:] + (answer @ normal)[:, 1:]
-            touching = normal > 0.0
-            length = np.linalg.norm(slip, axis=1)[:, None]
-            direction[touching] = (slip / length)[touching]
-        if np.allclose(normal, before, rtol=1e-13, atol=1e-15):
-            break
-    return normal[:, None] * ways, direction
+    force, full = force.copy(), p.sliding == "full"
+    way = np.array([-1.0, 0.0 if full else -p.friction * np.sign(p.speed), 0.0])
+    for _ in range(5000):
+        before = force.copy()
+        for i, answers in enumerate(flexible):
+            own, held = answers[:, i], force[i] * [0.0, full, full]
+            others = np.tensordot(answers, force, 2) - own @ force[i]
+            free, unit = gap[i] - others[0] - own[0] @ held, -own[0] @ way
+            normal = rods[i].force(free, unit) if rods else max(0.0, -free / unit)
+            force[i] = held + normal * way
+            if full:
+                moved = slip[i, 1:] + (others + own @ force[i])[1:]
+                pull = force[i, 1:] - moved / np.linalg.norm(own[1:, 1:], 2)
+                force[i, 1:] = pull * min(1.0, p.friction * normal / max(np.hypot(*pull), 1e-300))
+        if np.allclose(force, before, rtol=1e-13, atol=1e-14 * np.abs(force).max()):
+            return force
+    raise ArithmeticError("the contact forces do not converge")
 
 
 def pushes(p: ContactProblem, time: float) -> tuple[FloatArray, FloatArray]:
@@ -265,7 +269,7 @@ def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     pushed, blown = pushes(p, 0.0)
     old = now - dt * rate + 0.5 * dt**2 * (pushed - slowing)
     slow_old = 0.5 * dt**2 * blown
-    force, direction = np.zeros((count, 3)), np.tile([np.sign(p.speed), 0.0], (count, 1))
+    force = np.zeros((count, 3))
     strain = p.coating.strain if isinstance(p.coating, WallCoating) else np.zeros((0, 0))
     names = ("force", "q", "casing", "strain")
     out: dict[str, list[FloatArray]] = {name: [] for name in names}
@@ -306,7 +310,7 @@ def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
             rods = [Rods(p, strain, i % nodes, float(angle[i])) for i in range(count)]
         after = np.zeros_like(force)
         if gap.min() < 0.0 or rods:
-            after, direction = contact_forces(p, flexible, gap, change, force, direction, rods)
+            after = contact_forces(p, flexible, gap, change, force, rods)
         if rods:
             strain = strain.copy()
             apart = gap - np.einsum("ijb,jb->i", flexible[:, 0], after)
@@ -318,3 +322,26 @@ def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
         later = later - np.einsum("iam,ia->m", on_wall, after) / heavy
         old, now, slow_old, slow, force = now, new, slow, later, after
     return {name: np.array(values) for name, values in out.items()}
+
+
+def assert_plain(p: ContactProblem, dt: float, steps: int) -> Chunk:
+    """Records of the compiled march, which is that of `plain`.
+
+    Raises:
+        ArithmeticError: see `contact_forces`.
+    """
+    expected, chunk = plain(p, dt, steps), advanced(p, dt, steps)
+    force, forces = chunk.contact_force, expected["force"]
+    moved = {"q": chunk.rotor_displacement, "casing": chunk.casing_displacement}
+    np.testing.assert_allclose(force, forces, atol=1e-7 * np.abs(forces).max())
+    for name, values in moved.items():
+        plainly = expected[name].reshape(values.shape)
+        largest = np.abs(plainly).max(initial=0.0)
+        np.testing.assert_allclose(values, plainly, atol=1e-9 * largest, err_msg=name)
+    if chunk.coating is None or not isinstance(p.coating, WallCoating):
+        assert ledger(chunk) < 1e-9
+        return chunk
+    worn, strain = p.coating, expected["strain"]
+    volume = (strain - strain[0]).sum(axis=2) @ worn.width * worn.arc * worn.thickness
+    np.testing.assert_allclose(chunk.coating.wear_volume, volume, rtol=1e-7)
+    return chunk

@@ -49,7 +49,11 @@ class ImpactMarch(Reference):
         for n in range(steps):
             x, v, half = self.displacement, self.velocity, n + 0.5
             middle = x + 0.5 * h * v
-            force = self._force(half) - self._spring_force(half, middle) + self._circulation(middle)
+            force = (
+                self._force(half)
+                - self._spring_force(half, middle)
+                + self._turning(half, middle, h * v)
+            )
             restoring = self._stiffness * (x + 0.25 * h * v)
             after = self._answer @ (v - 0.5 * h * self._lost @ v + h * (force - restoring))
             after = after + self._impacts(n + 1, x + 0.5 * h * (v + after), after)

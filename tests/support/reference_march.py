@@ -15,18 +15,23 @@ S is the diagonal matrix of the signs of sliding, F the force of the rods of a c
  point dampers; c is the inverse of A
 without point dampers, because point dampers respond to a contact force from the next step on.
 Coriolis forces add Omega G / dt to A and to the factor of x_{n-1}. With Coriolis forces, c of the
-rotor includes Coriolis forces and point dampers. At a speed that varies A, K and the loads are
-those of the speed at n; works and energies are then not those of the kernel.
+rotor includes Coriolis forces and point dampers. At a speed that varies K and the loads are those
+of the speed at n. A is kept for `REFRESH` steps; the Coriolis forces of the rest of the speed have
+the velocity of the last step. A free speed follows from the angular momentum; energies and works
+are then not those of the kernel.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.hermite import cubic_weights, slope_weights
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, rod_angles
+from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.march.march import (
     Chunk,
     CoatingRecords,
@@ -39,6 +44,10 @@ from bladewhirl.studies.verification.march import complementary, load_factor
 
 CHECK_EVERY = 100
 """Number of steps between checks of all displacements except radial tip displacements."""
+
+REFRESH = 256
+"""Number of steps in which A is that of one speed: a prescribed one in their middle, or a free one
+half a step before the first."""
 
 
 class Coated(NamedTuple):
@@ -65,6 +74,15 @@ class Bent(NamedTuple):
     start: FloatArray  #: opening at zero displacement [m], (tips,)
 
 
+class Driven(NamedTuple):
+    """Free speed before step n."""
+
+    turned: tuple[Rotation, Rotation]  #: rotation at n - 1 and as expected at n
+    half: float  #: speed at n - 1/2 [rad/s]
+    centre: float  #: speed of A [rad/s]
+    momentum: float  #: angular momentum at n - 1/2, with the impulse of contact up to n [N m s]
+
+
 class Step(NamedTuple):
     """Results of a step: displacements, contact forces and modal forces, (modes,)."""
 
@@ -75,10 +93,12 @@ class Step(NamedTuple):
     force: FloatArray  #: modal loads f_n
     pressed: FloatArray  #: modal normal forces
     dragged: FloatArray  #: modal friction forces
-    circulated: FloatArray  #: modal forces of dampers in the static frame due to x_n
+    circulated: FloatArray
+    """Modal forces of dampers in the static frame due to x_n, and of a change of the speed."""
     damped: FloatArray  #: modal forces of point dampers and Coriolis forces
     coating: Coated  #: forces and state of the coating
     bent: Bent  #: foreshortening
+    driven: Driven | None  #: free speed
     residual: float  #: complementarity residual (`CentralDifference`)
 
 
@@ -103,6 +123,7 @@ class ReferenceState:
     bend: FloatArray  #: see `Bent`
     until: FloatArray  #: see `Bent`
     checked: FloatArray  #: see `Bent`
+    driven: Driven | None  #: free speed
     statistics: Statistics
 
 
@@ -144,25 +165,36 @@ class Reference:
         self._late = la.block_diag(*dampers) - self._felt  # dampers that respond one step late
         if rotor.by_velocity is not None:
             self._felt[: self._rotor_modes, : self._rotor_modes] += rotor.by_velocity
-        self._at_base = self._felt
-        self._turn(0)
+        self._at_base, self._coriolis = self._felt, np.zeros_like(self._felt)
+        change, modes = problem.change, slice(self._rotor_modes)
+        if change is not None and change.rotor is not None:
+            self._coriolis[modes, modes] = change.rotor.coriolis
+        self._turned = dict[float, Rotation]()
+        self._set_speed(problem.speed)
         self._near = near_gap(problem)
         self._held, self._unchecked = held_steps(problem, dt)
 
-    def _turn(self, n: int) -> None:
-        """Set the matrices that depend on the speed at step n."""
-        dt, problem, modes = self._dt, self._problem, self._rotor_modes
-        change = problem.change
-        if change is not None and change.rotor is not None:
-            self._felt = self._at_base.copy()
-            further = 2.0 * (problem.speed_at(n * dt) - problem.speed)
-            self._felt[:modes, :modes] += further * change.rotor.coriolis
-        elif n > 0:
-            return
+    def _turn(self, n: int, driven: Driven | None) -> None:
+        """Set what depends on the speed at step n."""
+        if driven is not None:
+            self._turned = dict(zip((n - 1.0, float(n)), driven.turned, strict=True))
+            self._set_speed(driven.centre)
+        elif self._problem.change is not None:
+            middle = n // REFRESH * REFRESH + 0.5 * REFRESH
+            self._set_speed(self._problem.speed_at(middle * self._dt))
+
+    def _set_speed(self, centre: float) -> None:
+        """Set A at a speed [rad/s]."""
+        dt, self._centre = self._dt, centre
+        self._felt = self._at_base + 2.0 * (centre - self._problem.speed) * self._coriolis
         self._by_velocity = self._felt + self._late
         inertia = np.diag(1.0 / dt**2 + self._damping / (2.0 * dt))
         self._inverse = np.linalg.inv(inertia + self._by_velocity / (2.0 * dt))
         self._compliance = np.linalg.inv(inertia + self._felt / (2.0 * dt))
+
+    def _rotation(self, n: float) -> Rotation:
+        """Return the rotation at step n."""
+        return self._turned.get(n) or self._problem.rotation_at(n * self._dt)
 
     def init(self) -> ReferenceState:
         """Return the state at t = 0; x_{-1} follows from the initial velocity and acceleration."""
@@ -170,8 +202,26 @@ class Reference:
         x = np.concatenate([start.rotor, start.casing])
         v = np.concatenate([start.rotor_velocity, start.casing_velocity])
         lost = self._damping * v + self._by_velocity @ v
-        force = self._force(0) + self._circulation(x)
+        drive, change, modes = self._problem.drive, self._problem.change, self._rotor_modes
+        turned, driven = self._problem.rotation_at(0.0), None
+        if drive is not None:
+            turned = turned._replace(acceleration=0.0)
+            self._turned = {0.0: turned}
+        force = self._force(0) + self._turning(0, x, dt * v)
         acceleration = force - lost - self._stiffness * x - self._spring_force(0, x)
+        if drive is not None:
+            assert change is not None
+            centre, motion = self._problem.rotor.centre, (x[:modes], v[:modes])
+            torque, rate, further = drive.acceleration(
+                turned.speed, change, centre, (*motion, acceleration[:modes])
+            )
+            acceleration[:modes] += further
+            angle = turned.angle - dt * turned.speed + 0.5 * dt**2 * rate
+            earlier = Rotation(angle, turned.speed - dt * rate, rate)
+            half = turned.speed - 0.5 * dt * rate
+            momentum = drive.momentum(turned.speed, change, *motion) - 0.5 * dt * torque
+            turned = turned._replace(acceleration=rate)
+            driven = Driven((earlier, turned), half, half, momentum)
         before = x - dt * v + 0.5 * dt**2 * acceleration
         gaps = [self._gap(before, -1), self._gap(x, 0)]
         none, coating = np.zeros_like(gaps[0]), self._problem.coating
@@ -194,6 +244,7 @@ class Reference:
             bend=np.zeros((len(none), terms)),
             until=none - 1.0,
             checked=np.zeros((3, len(none))),
+            driven=driven,
             statistics=Statistics(),
         )
 
@@ -222,17 +273,20 @@ class Reference:
             if not within:
                 return state, self._chunk(records, state), EndReason.DIVERGENT
             state = self._account(state, step)
+            if self._fuses(state.now):
+                return state, self._chunk(records, state), EndReason.FUSED
         return state, self._chunk(records, state), None
 
     def _step(self, state: ReferenceState) -> Step:
         """Return the results of one step: predict, look, solve, correct."""
         dt, n, x, before = self._dt, state.step, state.now, state.before
-        self._turn(n)
-        force, circulated = self._force(n), self._circulation(x)
+        self._turn(n, state.driven)
+        force, circulated = self._force(n), self._turning(n, x, x - before)
         restoring = self._stiffness * x + self._spring_force(n, x)
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
         drag = self._by_velocity @ before / (2.0 * dt)
         free = self._inverse @ (force + circulated - restoring + inertia + drag)
+        free, driven = self._drive(state, free)
         bent = self._bend(state, free)
         normal, tangential, clearance = self._rows(free, n + 1)
         normal, clearance = normal + bent.gradient, clearance + bent.start
@@ -245,6 +299,10 @@ class Reference:
         after = free + response @ force_on_tips
         late = self._late @ (free - before)
         damped = (self._felt @ (after - before) + late) / (2.0 * dt)
+        if driven is not None:
+            torque = force_on_tips @ self._wall_slope(after, free, n + 1)
+            torque -= self._problem.rotor.tip_radius * (force_on_tips @ slides)
+            driven = driven._replace(momentum=driven.momentum + dt * float(torque))
         gap = clearance + normal @ after
         smaller = np.minimum(gap, np.diag(delassus) * multiplier)
         violated = np.where(multiplier > 0.0, np.abs(smaller), np.maximum(-gap, 0.0)).max()
@@ -261,6 +319,7 @@ class Reference:
             damped=damped,
             coating=coating,
             bent=bent,
+            driven=driven,
             residual=float(violated / scale) if force_on_tips.any() and scale > 0.0 else 0.0,
         )
 
@@ -294,6 +353,7 @@ class Reference:
             bend=step.bent.bend,
             until=step.bent.until,
             checked=step.bent.checked,
+            driven=step.driven,
             statistics=replace(
                 before_it,
                 steps=n + 1,
@@ -312,7 +372,7 @@ class Reference:
     def _force(self, n: float) -> FloatArray:
         """Return the modal forces of the loads at step n, (modes,)."""
         total, problem = np.zeros(len(self._stiffness)), self._problem
-        turned = problem.rotation_at(n * self._dt)
+        turned = self._rotation(n)
         for load in problem.loads:
             factor = load_factor(load, n * self._dt)
             if problem.change is not None:
@@ -320,25 +380,68 @@ class Reference:
             total += factor * np.concatenate([load.rotor, load.casing])
         return total
 
-    def _circulation(self, x: FloatArray) -> FloatArray:
-        """Return the modal forces of dampers in the static frame due to displacements, (modes,)."""
-        rotor = self._problem.rotor
-        skew = rotor.circulation * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    def _turning(self, n: float, x: FloatArray, moved: FloatArray) -> FloatArray:
+        """Return the modal forces of dampers in the static frame due to displacements x, and of a
+        change of the speed, for the last change of the displacements, (modes,)."""
+        rotor, turned = self._problem.rotor, self._rotation(n)
+        share = 1.0 if self._problem.change is None else turned.speed / (self._problem.speed or 1.0)
+        skew = share * rotor.circulation * np.array([[0.0, 1.0], [-1.0, 0.0]])
         force = rotor.centre.T @ (skew @ (rotor.centre @ x[: self._rotor_modes]))
-        return np.concatenate([force, np.zeros(len(x) - self._rotor_modes)])
+        late = 2.0 * (turned.speed - self._centre) / self._dt
+        further = self._coriolis @ (turned.acceleration * x + late * moved)
+        still = np.zeros(len(x) - self._rotor_modes)
+        return np.asarray(np.concatenate([force, still]) - further)
 
     def _spring_force(self, n: float, x: FloatArray) -> FloatArray:
         """Return K*_n x of the coupling springs, of unequal static shaft springs and of the change
         of the speed, (modes,)."""
         problem, modes = self._problem, self._rotor_modes
-        turned, force = problem.rotation_at(n * self._dt), np.zeros_like(x)
-        if problem.change is not None:
-            still = np.zeros(modes)
-            lacking = problem.change.change_of_force(problem.speed, turned, x[:modes], still)
-            force[:modes] = -lacking
+        turned, force = self._rotation(n), np.zeros_like(x)
+        if problem.change is not None and problem.change.rotor is not None:
+            force[:modes] = problem.change.rotor.change(turned.speed) @ x[:modes]
         if problem.springs is None and problem.rotor.anisotropy == 0.0:
             return force
         return np.asarray(force + problem.spring_stiffness(turned.angle) @ x)
+
+    def _drive(
+        self, state: ReferenceState, predicted: FloatArray
+    ) -> tuple[FloatArray, Driven | None]:
+        """Return the displacements x_{n+1} without contact with the acceleration of a free speed,
+        from the predicted ones with the last acceleration, and the speed that follows.
+
+        The angular momentum at n + 1/2 is that of `solvers/kernel/drive.h`.
+        """
+        drive, change, old = self._problem.drive, self._problem.change, state.driven
+        if drive is None or change is None or old is None:
+            return predicted, None
+        dt, modes, x = self._dt, self._rotor_modes, state.now
+        pull, coupled, along, across = (np.zeros_like(x) for _ in range(4))
+        if change.rotor is not None:
+            along[:modes], across[:modes] = drive.along, drive.across
+            pull[:modes] = drive.along - change.rotor.known("stiffness_speed") @ x[:modes]
+            coupled = across + self._coriolis @ x
+        now = old.turned[1]
+        rows = self._problem.rotor.centre
+        place, later, before = (rows @ each[:modes] for each in (x, predicted, state.before))
+        velocity = (later - before) / (2.0 * dt)
+        swept = place[0] * velocity[1] - place[1] * velocity[0] + now.speed * place @ place
+        torque = drive.torque - drive.loss * now.speed - drive.damping * swept
+        momentum = old.momentum + dt * torque
+
+        # The momentum is quadratic in the change of the acceleration, on which x_{n+1} depends
+        # linearly.
+        half, by_change = old.half + dt * now.acceleration, dt**2 * (dt * old.half * pull - coupled)
+        free = predicted + dt**2 * (old.half * half - now.speed**2) * pull
+        inertia, more = drive.inertia + along @ x + pull @ free, pull @ by_change
+        lacking = momentum - half * inertia - (coupled @ free - across @ x) / dt
+        rise = dt * inertia + half * more + coupled @ by_change / dt
+        change_of_rate = 2.0 * lacking / (rise + np.sqrt(rise**2 + 4.0 * dt * more * lacking))
+        rate = float(now.acceleration + change_of_rate)
+        half = old.half + dt * rate
+        after = Rotation(now.angle + dt * half, half + 0.5 * dt * rate, rate)
+        self._turned[state.step + 1.0] = after
+        centre = half if (state.step + 1) % REFRESH == 0 else old.centre
+        return free + change_of_rate * by_change, Driven((now, after), half, centre, momentum)
 
     def _rows(self, x: FloatArray, n: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return B_N and B_T of the tips at step n, (tips, modes), and clearance plus
@@ -347,30 +450,35 @@ class Reference:
         With `tip_rotation`, the angles of the tips include their tangential displacements in ``x``.
         """
         problem, rotor = self._problem, self._problem.rotor
-        angle = rotor.tip_angle + problem.angle_at(n * self._dt)
-        if problem.tip_rotation:
-            angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
-        radial, along, clearance = self._wall_rows(angle, n)
+        radial, along, clearance = self._wall_rows(self._angle(x, n), n)
         normal = np.hstack([-rotor.tip_radial, radial])
         tangential = np.hstack([-rotor.tip_tangential, along])
         return normal, tangential, clearance + problem.metal_recess
 
-    def _wall_rows(self, angle: FloatArray, n: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _angle(self, x: FloatArray, n: float) -> FloatArray:
+        """Return the angles of the tips at step n, (tips,)."""
+        rotor = self._problem.rotor
+        angle = rotor.tip_angle + self._rotation(n).angle
+        if self._problem.tip_rotation:
+            angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
+        return angle
+
+    def _wall_slope(self, x: FloatArray, seen: FloatArray, n: int) -> FloatArray:
+        """Return the change of the radius of the wall by the angle at the tips [m], (tips,)."""
+        radial, _, clearance = self._wall_rows(self._angle(seen, n), n, slope_weights)
+        slope = clearance + radial @ x[self._rotor_modes :]
+        return np.asarray(self._problem.casing.radius * slope)
+
+    def _wall_rows(
+        self, angle: FloatArray, n: float, cubics: Callable[..., FloatArray] = cubic_weights
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return w and u of the casing modes at angles, (angles, modes), and the clearance at step
         n, (angles,)."""
         casing = self._problem.casing
         nodes, length = len(casing.nodal), casing.element_length
         at = np.mod(angle * nodes / (2.0 * np.pi), nodes)
         first = np.floor(at).astype(np.int64) % nodes
-        xi = at - np.floor(at)
-        weights = np.array(
-            [
-                1.0 - 3.0 * xi**2 + 2.0 * xi**3,
-                length * (xi - 2.0 * xi**2 + xi**3),
-                3.0 * xi**2 - 2.0 * xi**3,
-                length * (xi**3 - xi**2),
-            ]
-        )  # weights of value and slope at the first node of the element, then at the second
+        weights = cubics(at - np.floor(at), length)
 
         def under(values: FloatArray) -> FloatArray:
             ends = np.concatenate([values[first], values[(first + 1) % nodes]], axis=1)
@@ -448,11 +556,9 @@ class Reference:
     def _rods(self, x: FloatArray, n: int) -> list[tuple[FloatArray, FloatArray]]:
         """Return the rods under each tip at displacements x at step n, and the wall at each of them
         less the wall at the tip [m]."""
-        problem, rotor, coating = self._problem, self._problem.rotor, self._problem.coating
+        coating = self._problem.coating
         assert coating is not None
-        angle = rotor.tip_angle + problem.angle_at(n * self._dt)
-        if problem.tip_rotation:
-            angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
+        angle = self._angle(x, n)
         rods, found = coating.strain.shape[1], []
         radial, _, clearance = self._wall_rows(angle, n)
         here = clearance + radial @ x[self._rotor_modes :]
@@ -467,10 +573,14 @@ class Reference:
     def _press(
         self, gap: FloatArray, under: list[tuple[FloatArray, FloatArray]], strain: FloatArray
     ) -> Coated:
-        """Press the tips at gaps to the metal into the rods under them, see `_rods`."""
+        """Press the tips at gaps to the metal into the rods under them, see `_rods`.
+
+        Raises:
+            ArithmeticError: two tips press the same rod, and the first one wears it.
+        """
         coating = self._problem.coating
         assert coating is not None
-        strain, stored = strain.copy(), 0.0
+        before, strain, stored = strain, strain.copy(), 0.0
         young, hardening, area = (
             coating.young_modulus,
             coating.hardening,
@@ -479,6 +589,8 @@ class Reference:
         force, slope = np.zeros_like(gap), np.zeros_like(gap)
         for tip, (rods, offset) in enumerate(under):
             worn = strain[0, rods]
+            if (worn != before[0, rods]).any():
+                raise ArithmeticError("two tips wear the same rod")
             depth = coating.removable - gap[tip] - offset
             stress = young * (depth / coating.thickness - worn)
             grown = np.maximum(stress - coating.yield_stress - hardening * worn, 0.0)
@@ -505,12 +617,19 @@ class Reference:
         """Return the sign of the sliding velocity of each tip at step n, from the speed at this
         step and the motion in the last but one, (tips,)."""
         problem = self._problem
-        turning = problem.speed_at(n * self._dt)
+        turning = self._rotation(n).speed
         speed = np.full(len(tangential), turning)
         if problem.sliding == "signed":
             # The product of the tangential rows and a forward motion of a blade is negative.
             speed = problem.rotor.tip_radius * turning - tangential @ moved / self._dt
         return np.asarray(np.sign(speed))
+
+    def _fuses(self, x: FloatArray) -> bool:
+        """Return whether the force in the springs at the centre is above its limit."""
+        fuse = self._problem.fuse
+        if fuse is None:
+            return False
+        return bool(np.hypot(*(fuse.constant + fuse.force @ x[: self._rotor_modes])) > fuse.limit)
 
     def _keeps_limit(self, x: FloatArray, n: int) -> bool:
         """Return whether all displacements at step n are within the limit."""
@@ -546,7 +665,7 @@ class Reference:
             friction_impulse=drag,
             contact_steps=touched.astype(np.int64),
             contacts=np.array([state.contacts for state in states], dtype=np.int64),
-            **self._rotations(step),
+            **self._rotations(states),
             energy=np.array([energy for _, _, energy in records]),
             external_work=work[:, 0],
             normal_work=work[:, 1],
@@ -557,12 +676,18 @@ class Reference:
             coating=self._coating_records(states, after),
         )
 
-    def _rotations(self, step: IntArray) -> dict[str, FloatArray]:
-        """Return angle and speed at recorded steps if the speed varies."""
+    def _rotations(self, states: list[ReferenceState]) -> dict[str, FloatArray]:
+        """Return angle, speed and angular momentum at recorded steps as far as they vary."""
         if self._problem.change is None:
             return {}
-        course, time = self._problem.change.course, step * self._dt
-        return {"rotation_angle": course.angle(time), "rotation_speed": course.speed(time)}
+        free = [state.driven for state in states if state.driven is not None]
+        if self._problem.drive is not None:
+            turned = [each.turned[1] for each in free]
+        else:
+            turned = [self._rotation(state.step) for state in states]
+        angle, speed, _ = np.reshape(turned, (-1, 3)).T
+        momentum = np.array([each.momentum for each in free])
+        return {"rotation_angle": angle, "rotation_speed": speed, "angular_momentum": momentum}
 
     def _coating_records(
         self, states: list[ReferenceState], after: ReferenceState

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from boundary_cases import advanced, bladed, casing, coating, ledger, plain, rubbing
+from boundary_cases import advanced, assert_plain, bladed, casing, coating, rubbing
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import (
@@ -14,7 +14,6 @@ from bladewhirl.models.stage.contact_problem import (
     ReducedCasing,
     ReducedRotor,
     Start,
-    WallCoating,
 )
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import EndReason
@@ -52,22 +51,11 @@ KINDS: dict[str, dict[str, Any]] = {
 def test_the_compiled_march_is_that_of_plain_numpy(kind: str, massless: bool) -> None:
     problem = bladed(2, 3, massless=massless, **KINDS[kind])
     dt, steps = 4e-6, 150 if "coating" in kind else 250
-    expected, chunk = plain(problem, dt, steps), advanced(problem, dt, steps)
-    force = chunk.contact_force
-    assert (force[:, :, 0] < 0.0).any(axis=0).sum() > 2
-    assert force == pytest.approx(expected["force"], abs=1e-7 * np.abs(force).max())
+    chunk = assert_plain(problem, dt, steps)
+    assert (chunk.contact_force[:, :, 0] < 0.0).any(axis=0).sum() > 2
     assert (np.abs(chunk.axial_impulse).max() > 0.0) == (problem.sliding == "full")
-    moved = {"q": chunk.rotor_displacement, "casing": chunk.casing_displacement}
-    for name, values in moved.items():
-        largest = np.abs(values).max(initial=0.0)
-        plainly = expected[name].reshape(values.shape)
-        assert values == pytest.approx(plainly, abs=1e-9 * largest)
-    if chunk.coating is None or not isinstance(problem.coating, WallCoating):
-        assert ledger(chunk) < 1e-9
+    if chunk.coating is None:
         return
-    worn = problem.coating
-    volume = expected["strain"].sum(axis=2) @ worn.width * worn.arc * worn.thickness
-    assert chunk.coating.wear_volume == pytest.approx(volume, rel=1e-7)
     assert (chunk.coating.coating_strain[-1] > 0.0).any(axis=1).all()
     soft, whole = (
         each.sum(axis=0) for each in (chunk.coating.coating_impulse, chunk.contact_impulse)

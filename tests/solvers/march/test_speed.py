@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import reference_march
 from contact_cases import assert_same, run
 from places import EXAMPLES
 from reference_march import Reference
@@ -87,7 +88,9 @@ def test_works_balance_the_energy_while_the_speed_changes(effects: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_rub_at_a_rising_speed_is_that_of_the_definitions() -> None:
+def test_a_rub_at_a_rising_speed_is_that_of_the_definitions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Nine blades that rub while the speed rises: every step in NumPy with the matrices
     at its speed."""
     given = small_stage(
@@ -100,6 +103,7 @@ def test_a_rub_at_a_rising_speed_is_that_of_the_definitions() -> None:
         "contact.friction=0.05",
         table=(("0 s", 0.9), ("0.02 s", 1.1)),
     )
+    monkeypatch.setattr(reference_march, "REFRESH", 1)
     scheme, reference = CentralDifference(given, 4e-6, 20), Reference(given, 4e-6, 20)
     found = scheme.advance(scheme.init(), 1001)[1]
     expected = reference.advance(reference.init(), 1001)[1]
