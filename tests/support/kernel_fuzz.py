@@ -63,7 +63,7 @@ def without_symmetry(number: int, random: np.random.Generator) -> ContactProblem
         rotor = replace(rotor, by_velocity=turning, circulation=float(random.choice([0.0, 2e3])))
     if random.integers(2):
         rotor = replace(rotor, anisotropy=1e3)
-    free = given.speed != 0.0 and random.integers(3) == 0
+    free = given.speed != 0.0 and random.integers(2) == 0
     if free:
         rotor = replace(rotor, anisotropy=0.0, circulation=0.0)
     if random.integers(2):
@@ -128,20 +128,22 @@ def cyclic_stage(random: np.random.Generator) -> ContactProblem:
         },
         "excitation": {"type": str(random.choice(["casing-distortion", "none"]))},
     }
-    speed = random.integers(3)
-    if speed == 0:
+    if case["casing"]["elements"] >= 8 and random.integers(2):
+        case["casing"]["clearance_lobes"] = [{"lobes": 2, "amplitude": 3e-4}]
+    speed = str(random.choice(["held", "varying", "free", "free"]))
+    if speed == "varying":
         case["march"] = {"speed_table": [[0.0, 0.9], [3e-5, 0.902], [6e-5, 0.9]]}
-    if speed == 1:
+    if speed == "free":
         case["march"] = {"speed": 0.8, "drive": {"inertia": 0.1, "torque": 50.0, "loss": 0.05}}
         case["excitation"] = {"type": "imbalance", "unbalance": 0.05, "ramp": 0.0}
-    if speed != 1 and random.integers(2):
+    if speed != "free" and random.integers(2):
         case["coupling"] = {"stiffness": 1e6, "modes": str(random.choice(["six", "all"]))}
     if random.integers(2):
         stiffness, damping = 1e7, 1e4
         case["shaft"] = {"stiffness": stiffness, "damping": damping}
         if case["rotation"]["effects"] == "full":
             case["shaft"]["damping_frame"] = "static"
-            if speed != 1 and "coupling" not in case:
+            if speed != "free" and "coupling" not in case:
                 case["shaft"]["stiffness_y"] = 0.7 * stiffness
     given = contact_problem(build_stage(Case.model_validate(case)))
     return thrown(given, 40.0, spread=0.5)
@@ -190,7 +192,8 @@ def closure(given: ContactProblem, dt: float, random: np.random.Generator) -> Wa
 
 def coating(given: ContactProblem, random: np.random.Generator) -> WallCoating:
     """A soft coating of any number of rods, worn by chance at the start."""
-    rods, tips = int(random.integers(8, 400)), len(given.rotor.tip_angle)
+    tips = len(given.rotor.tip_angle)
+    rods = int(random.integers(4 * tips + 4, 400))  # tips at equal angles do not share any
     around = 2.0 * np.pi * given.casing.radius
     lost = float(given.casing.clearance[:, 0].min())
     return WallCoating(
@@ -267,6 +270,8 @@ def check(number: int) -> bool:
         given = replace(given, foreshortening=shortening(given, random))
     if given.change is None and random.integers(2) and varies:
         rotor = turning(given, random) if coupled else None
+        if rotor is not None and random.integers(2):
+            rotor = replace(rotor, stiffness_speed4=1e-4 * rotor.known("stiffness_speed") ** 2)
         change = SpeedChange(course=course(given, dt, random), rotor=rotor)
         given = replace(given, change=change)
     if random.integers(4) == 0:

@@ -57,6 +57,23 @@ def test_static_flexibility_is_exact_for_any_number_of_modes() -> None:
     assert stretched == pytest.approx(static, rel=1e-9, abs=1e-16)  # constraint modes are exact
 
 
+def test_modes_of_other_speeds_keep_the_static_flexibility_exact() -> None:
+    """Displacements of contact nodes and strains under forces on the contact nodes."""
+    random = np.random.default_rng(5)
+    part = replace(chain(20), strain_recovery=random.normal(size=(2, 60)))
+    stiffer = part.stiffness + 1e7 * np.diag(random.uniform(size=60))
+    reduced = massless(part, 9, others=[replace(part, stiffness=stiffer)])
+    assert len(reduced.frequency) > 9
+    rows = part.contact_rows.toarray()
+    moved = np.linalg.solve(part.stiffness, rows.T)
+    on_modes = (reduced.contact / reduced.frequency**2).T
+    found = reduced.contact @ on_modes + reduced.compliance
+    assert found == pytest.approx(rows @ moved, rel=1e-8, abs=1e-16)
+    strained = reduced.strains @ on_modes + reduced.strains_by_force[0]
+    expected = part.strain_recovery @ moved
+    assert strained == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+
+
 def test_the_cost_of_a_large_superelement_is_told_before_and_its_progress(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

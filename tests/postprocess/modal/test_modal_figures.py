@@ -21,6 +21,7 @@ from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes, plot_travelling_wave
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
+from bladewhirl.postprocess.modal.response import plot_amplification
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.plotting.axes import name_ends
@@ -243,6 +244,14 @@ def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter(
         assert set(free[np.abs(free[:, 1] - clamped[:, 1]) > 1e-9, 0]) == {1.0}
     (whole,) = plot_families(diagrams()).axes
     assert whole.get_yscale() == "log"
+
+
+def test_the_tuned_peak_of_an_amplification_is_in_turns_in_a_minute() -> None:
+    """At half of 50 Hz."""
+    shares = {"amplification": (("order", "draw"), [[1.1, 1.2]]), "tuned_speed": ("order", [0.5])}
+    attrs = {"reference_frequency_hz": 50.0, "whitehead_bound": 1.5, "stiffness_spread": 0.01}
+    figure = plot_amplification(xr.Dataset(shares, {"order": [2]}, attrs | {"case": ""}))
+    assert "tuned peak at 1500 rpm" in figure.axes[0].get_legend_handles_labels()[1][0]
 
 
 def test_names_beside_lines_keep_the_order_of_the_lines_and_do_not_overlap() -> None:

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contact_cases import problem, wall
+from contact_cases import problem, small_casing, wall
 
 from bladewhirl.models.case.case import case_from
+from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load, WallClosure
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.solvers.march.central_difference import CentralDifference
@@ -55,6 +56,31 @@ def test_friction_brakes_a_rigid_disk() -> None:
     assert braked[-1] > 0.1
     np.testing.assert_allclose(chunk.rotation_speed, 50.0 - braked, rtol=1e-12)
     assert lost_energy(chunk) < 1e-12
+
+
+def test_normal_forces_turn_a_rotor_in_a_wall_that_closes_by_lobes() -> None:
+    """A tip is pushed to where the wall is wider: the torque is the force times dR/dtheta, with the
+    radius R = 1 m - 1 mm cos(2 theta)."""
+    angle = 2.0 * np.pi / 128.0 * np.arange(128.0)
+    share = np.column_stack([np.cos(2.0 * angle), -2.0 * np.sin(2.0 * angle)])
+    ring, push = (
+        small_casing(np.ones(1), 1e-3, nodes=128),
+        Load(rotor=np.array([5e3]), casing=np.zeros(1)),
+    )
+    given = problem(point_mass(2.0, 300.0), ring, loads=(push,), speed=50.0)
+    given = replace(
+        given,
+        closure=WallClosure(course=Closure(table=((0.0, 1e-3),)), share=share),
+        change=SpeedChange(course=SpeedCourse.through([0.0], [50.0], 0.0)),
+        drive=FreeSpeed(inertia=0.5),
+    )
+    chunk = marched(given, 1e-5, 20_000, every=1)
+    impulse, wider = chunk.contact_impulse[:, 0], 2e-3 * np.sin(2.0 * chunk.rotation_angle)
+    turned = np.cumsum(impulse * wider) / 0.5
+    assert np.ptp(turned) > 0.05
+    np.testing.assert_allclose(
+        chunk.rotation_speed[1:] - 50.0, turned[:-1], atol=1e-3 * np.ptp(turned)
+    )
 
 
 def test_momentum_and_energy_of_masses_that_spin_freely() -> None:

@@ -14,7 +14,7 @@ from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import Motion
 from bladewhirl.solvers.periodic.ring import Ring
-from bladewhirl.solvers.periodic.stability import monodromy
+from bladewhirl.solvers.periodic.stability import _Structure, monodromy
 
 RING = {
     "casing.type": "ring",
@@ -116,6 +116,24 @@ def test_passages_of_blades_lead_to_the_matrix_of_a_period() -> None:
     twice = Motion(fine, np.tile(motion.normal, (2, 1)), np.tile(motion.angle, (2, 1)))
     exact = monodromy(twice).matrix
     assert np.abs(by_passage @ by_passage - exact).max() < 1e-9 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("speed", ["7000 rpm", "-7000 rpm"])
+def test_a_blade_is_where_the_one_ahead_was(speed: str) -> None:
+    """Blade 1 is an eighth of a turn ahead of blade 0, which does the same an eighth of a turn
+    later if the rotor turns forward, and earlier if it turns backward."""
+    changes = {"march.speed": speed, "casing.elements": 16}
+    blade = Blade.of_problem(bladed_ring(8, 0.05, **changes))
+    motion = Motion.free(Grid(blade, 32))
+    assert blade.lobes == 2
+    eighth = 8  # instants, of 64 in a turn
+    normal = np.random.default_rng(3).random(motion.normal.shape)
+    whole = _Structure.of_motion(replace(motion, normal=normal))
+    nodes = normal.shape[1]
+    ahead = eighth if blade.speed > 0.0 else -eighth
+    assert whole.normal[:, nodes : 2 * nodes] == pytest.approx(np.roll(normal, -ahead, axis=0))
+    forces = np.repeat(whole.normal, 3, axis=1)
+    assert np.roll(forces, -eighth, axis=0) @ whole.passed.T == pytest.approx(forces)
 
 
 def test_a_constant_load_on_the_ring_moves_the_wall() -> None:
