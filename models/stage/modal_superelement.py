@@ -11,6 +11,7 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import faults_at
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
