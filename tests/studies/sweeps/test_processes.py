@@ -221,7 +221,13 @@ def test_a_lost_scheduler_is_reported_in_one_line(
         address = f"tcp://127.0.0.1:{port}"
         while not answers(port):
             time.sleep(0.1)
-        threading.Timer(4.0, scheduler.kill).start()
+
+        def kill_after_the_warning() -> None:
+            while not any(each.levelname == "WARNING" for each in caplog.records):
+                time.sleep(0.1)
+            scheduler.kill()
+
+        threading.Thread(target=kill_after_the_warning, daemon=True).start()
         with (
             dask.config.set({sweep_cluster.ENCRYPTION: False}),
             pytest.raises(bw.UserError, match=r"connection was lost; .* sweep --resume DIR"),
