@@ -71,7 +71,7 @@ def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
 
 
 _SCALES = (("G", 1e-9), ("M", 1e-6), ("k", 1e-3), ("", 1.0), ("m", 1e3), ("µ", 1e6))
-_SCALED = re.compile(r"(m|s|g|N|Pa|Hz)\b")
+_SCALED = re.compile(r"(m|s|g|N|W|Pa|Hz)\b")
 
 
 def handy_unit(amount: float, unit: str) -> tuple[str, float]:
@@ -83,7 +83,8 @@ def handy_unit(amount: float, unit: str) -> tuple[str, float]:
 
     Args:
         amount: amount in the SI unit, zero or positive.
-        unit: SI unit. Only units of length, time, mass, force, stress and frequency get a prefix.
+        unit: SI unit. Only units of length, time, mass, force, torque, power, stress and frequency
+            get a prefix.
     """
     if unit.startswith("kg"):
         name, scale = handy_unit(1e3 * amount, unit.removeprefix("k"))

@@ -168,7 +168,10 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     meets, shown = met_frequencies(data, frame), in_diagram(data)
     if (operated := operating_range(data)) is not None:
         axes.axvspan(*operated, color="#F0F0F0", zorder=0, label="operating range")
-    axes.set(xlim=data.attrs["speeds"], yscale="log" if frame == "static" else "linear")
+    low, high = data.attrs["speeds"]
+    if low < (own := abs(float(data.attrs["case_speed"]))) < high:
+        axes.axvline(own, color=COLOURS["total"], linewidth=0.6, label="speed of the case")
+    axes.set(xlim=(low, high), yscale="log" if frame == "static" else "linear")
     axes.set_ylim(*frequency_limits(data, frame))
     named = [*_draw_waves(axes, data, frame), *_draw_engine_orders(axes, data, frame)]
     if "branch" in data.dims and data["critical_speed"].size:

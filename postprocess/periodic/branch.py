@@ -11,9 +11,13 @@ from bladewhirl.postprocess.periodic.dataset import of_sweep
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
+from bladewhirl.postprocess.sweep.drawing import key_words
 from bladewhirl.solvers.periodic.bifurcation import KINDS
 
 MARKS = dict(zip(KINDS, "osD", strict=True))
+JUMP = {"arrowstyle": "-|>", "color": COLOURS["casing"], "linestyle": ":"}
+"""Look of an arrow from a fold to where a slow change of the key jumps."""
+
 STARTS = {"up": "marches, key rising", "down": "marches, key falling", "": "marches from rest"}
 """Labels of the points of a sweep by the direction in which it carried the motion."""
 
@@ -71,14 +75,34 @@ def parts_of(data: xr.Dataset, values: np.ndarray) -> list[tuple[np.ndarray, str
 
 def key_label(data: xr.Dataset) -> str:
     """Return the label of the key of a branch with its unit."""
-    return f"{data.attrs['key']} [{data.attrs['unit'] or '–'}]"
+    return f"{key_words(str(data.attrs['key']))} [{data.attrs['unit'] or '–'}]"
+
+
+def jumps(data: xr.Dataset, values: np.ndarray) -> list[tuple[float, float, float]]:
+    """Return where a slow change of the key jumps at a fold to the nearest other stable part of the
+    branch: the parameter, and the values before and after the jump."""
+    place, stable = data["parameter"].values, data["stable"].values
+    both = np.flatnonzero(stable[1:] & stable[:-1])
+    found = []
+    for fold in np.flatnonzero(data["kind"].values == 1 + list(KINDS).index("fold")):
+        own = place[fold]
+        across = both[(place[both] - own) * (place[both + 1] - own) < 0.0]
+        across = across[np.abs(across - fold) > 2]
+        if len(across):
+            ends = np.stack([across, across + 1])
+            share = (own - place[ends[0]]) / (place[ends[1]] - place[ends[0]])
+            levels = values[ends[0]] + share * (values[ends[1]] - values[ends[0]])
+            to = levels[np.abs(levels - values[fold]).argmin()]
+            found.append((float(own), float(values[fold]), float(to)))
+    return found
 
 
 @styled
 def plot_branch(data: xr.Dataset) -> Figure:
     """Draw the impulse over the key and over the multipliers, of `bladewhirl.branch`.
 
-    Stable parts are solid, unstable ones dashed. On the right are the multipliers of all points in
+    Stable parts are solid, unstable ones dashed; dotted arrows lead from folds to where the motion
+    jumps if the key changes slowly. On the right are the multipliers of all points in
     the unit circle. Points of `with_marches` are marks over the impulse.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.07)
@@ -88,8 +112,11 @@ def plot_branch(data: xr.Dataset) -> Figure:
         (impulse, data["impulse_per_revolution"].values),
         (size, 1e3 * size_of(data)),
     ):
-        for part, style in parts_of(data, drawn):
-            axes.plot(value, part, style, color=COLOURS["rotor"])
+        for (part, style), label in zip(parts_of(data, drawn), ("stable", "unstable"), strict=True):
+            if np.isfinite(part).any():
+                axes.plot(value, part, style, color=COLOURS["rotor"], label=label)
+        for at, before, after in jumps(data, drawn):
+            axes.annotate("", (at, after), (at, before), arrowprops=JUMP)
         for number, (kind, mark) in enumerate(MARKS.items(), 1):
             there = data["kind"].values == number
             place = value[there], drawn[there]

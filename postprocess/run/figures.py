@@ -66,7 +66,7 @@ class RunFigures(Figures):
     @property
     def run_up(self) -> xr.Dataset:
         """Displacement of the shaft over the speed."""
-        return amplitude_over_speed(self.orbit)
+        return amplitude_over_speed(self.orbit, self.result)
 
     @property
     def critical_orbits(self) -> xr.Dataset:

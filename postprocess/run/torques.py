@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.energy.works import friction_supply
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
@@ -99,15 +100,16 @@ def plot_torques(data: xr.Dataset) -> Figure:
     time = data["time"].values
     panels[0].plot(time, RPM * data["speed"].values, color=COLOURS["rotor"])
     panels[0].set_ylabel("speed [rpm]")
-    for axes, quantity, label in (
-        (panels[1], "torque", "torque [N m]"),
-        (panels[2], "power", "power [W]"),
-    ):
-        axes.set_ylabel(label)
-        for name, (words, colour) in KINDS.items():
-            values = data.get(f"{quantity}_{name}")
-            if values is not None and values.any():
-                axes.plot(time, values.values, color=colour, label=words)
+    for axes, quantity, si in ((panels[1], "torque", "N m"), (panels[2], "power", "W")):
+        given = {name: data.get(f"{quantity}_{name}") for name in KINDS}
+        drawn = {name: each.values for name, each in given.items() if each is not None}
+        largest = max((float(np.abs(each).max()) for each in drawn.values()), default=0.0)
+        unit, scale = handy_unit(largest, si)
+        axes.set_ylabel(f"{quantity} [{unit}]")
+        for name, values in drawn.items():
+            if values.any():
+                words, colour = KINDS[name]
+                axes.plot(time, scale * values, color=colour, label=words)
     if entries := entries_of(*panels[1:]):
         figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=4)
     time_axis(*panels)

@@ -151,6 +151,7 @@ def campbell(
             "title": "Campbell diagram",
             "case": stage.case.title,
             "reference_frequency_hz": reference / hertz,
+            "case_speed": stage.speed / reference,
             "speeds": shown,
             "hints": "; ".join(stage.hints),
             "operating_range": operated,

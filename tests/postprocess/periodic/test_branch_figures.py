@@ -13,7 +13,7 @@ from synthetic_sweep import synthetic_sweep
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.periodic.backbone import backbone, plot_backbone
-from bladewhirl.postprocess.periodic.branch import plot_branch, with_marches
+from bladewhirl.postprocess.periodic.branch import jumps, plot_branch, with_marches
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.studies.periodic.branch_file import dataset
 
@@ -131,3 +131,15 @@ def test_other_keys_and_files_are_refused(tmp_path: Path) -> None:
         backbone(branch, [branch.assign_attrs(unit="Hz")])
     with pytest.raises(UserError, match="expected the file of a branch"):
         bw.open_branch(tmp_path / "none")
+
+
+def test_a_slow_change_jumps_at_folds_to_the_other_stable_part() -> None:
+    """An S with folds at 2 and 1: from 1.9 up to 4, and from 3.1 down to 0.8, by hand."""
+    parameter = np.array([0.0, 0.9, 1.9, 2.0, 1.9, 1.1, 1.0, 1.5, 2.5, 3.0])
+    value = np.array([0.0, 0.7, 1.7, 1.9, 2.0, 2.9, 3.1, 3.5, 4.5, 5.0])
+    stable = np.array([True] * 4 + [False] * 2 + [True] * 4)
+    kind = np.where(np.isin(np.arange(10), [3, 6]), 1, 0)
+    names = {"parameter": parameter, "stable": stable, "kind": kind}
+    up, down = jumps(xr.Dataset({name: ("point", each) for name, each in names.items()}), value)
+    assert up == pytest.approx((2.0, 1.9, 4.0))
+    assert down == pytest.approx((1.0, 3.1, 0.8))

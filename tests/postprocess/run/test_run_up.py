@@ -94,3 +94,23 @@ def test_the_figure_tells_rising_from_falling_speeds(result: xr.Dataset, tmp_pat
     assert rising[900] == -1
     assert len(figure.axes) == 2
     assert "0.3 to 1.2" in figure.get_suptitle()
+
+
+def test_the_figure_marks_first_contact_and_critical_speeds(result: xr.Dataset) -> None:
+    """Only forward critical speeds between the slowest and the fastest speed are marked."""
+    speeds = np.array([0.5, 0.9, 2.0]) * float(result.attrs["reference_frequency"])
+    touched = result["contact_steps"].copy(data=np.zeros_like(result["contact_steps"]))
+    touched[7:, 2] = 1
+    known = result.assign(
+        contact_steps=touched,
+        critical_speed=("critical_speed", speeds),
+        critical_whirl=("critical_speed", ["backward", "forward", "forward"]),
+    )
+    figure, data = RunFigures(known).draw("run-up")
+    assert data["critical_speed"].values.tolist() == speeds[1:].tolist()
+    upper, lower = figure.axes
+    lines = {str(line.get_label()): line for line in lower.get_lines()}
+    rpm = 30.0 / np.pi
+    assert list(lines["first contact"].get_xdata()) == [rpm * data["speed"].values[7]]
+    assert list(lines["critical speed"].get_xdata()) == [rpm * speeds[1]] * 2
+    assert upper.get_lines()[-1].get_xdata()[0] == result["time"].values[7]
