@@ -111,6 +111,9 @@ def test_the_figure_marks_first_contact_and_critical_speeds(result: xr.Dataset) 
     upper, lower = figure.axes
     lines = {str(line.get_label()): line for line in lower.get_lines()}
     rpm = 30.0 / np.pi
-    assert list(lines["first contact"].get_xdata()) == [rpm * data["speed"].values[7]]
-    assert list(lines["critical speed"].get_xdata()) == [rpm * speeds[1]] * 2
-    assert upper.get_lines()[-1].get_xdata()[0] == result["time"].values[7]
+    touch, critical = (
+        np.asarray(lines[name].get_xdata()) for name in ("first contact", "critical speed")
+    )
+    assert touch.tolist() == [rpm * data["speed"].values[7]]
+    assert critical.tolist() == [rpm * speeds[1]] * 2
+    assert np.asarray(upper.get_lines()[-1].get_xdata()).tolist() == [result["time"].values[7]]
