@@ -46,13 +46,15 @@ static double press_node(const March *m, int64_t n, double gap, double *slope)
     double young = c->young_modulus, softer = young / (young + c->hardening);
     double area = c->area.at[c->track.at[n]], steep = young / c->thickness;
     const double *trial = r->trial.at + n * r->trial.columns;
-    const double *yield = r->yield.at + n * r->yield.columns;
-    const double *left = r->left.at + n * r->left.columns;
+    const double *plastic = r->plastic.at + n * r->plastic.columns;
     Half none = half_splat(0.0), drop = half_splat(-steep * gap), sum = none, touching = none;
     Half yielding = none, by_growth = half_splat(-1.0 / (young + c->hardening));
+    Half limit = half_splat(c->limit), soft = half_splat(c->yield_stress);
     for (int64_t k = 0; k <= r->range.at[2 * n + 1] - r->range.at[2 * n]; k += HALF) {
-        Half stress = half_add(half_load(trial + k), drop), most = half_load(left + k);
-        Half excess = half_larger(half_sub(stress, half_load(yield + k)), none);
+        Half stress = half_add(half_load(trial + k), drop), before = half_load(plastic + k);
+        Half most = half_sub(none, half_larger(half_sub(limit, before), none));
+        Half yield = half_muladd(half_splat(c->hardening), before, soft);
+        Half excess = half_larger(half_sub(stress, yield), none);
         Half shorter = half_mul(excess, by_growth); /* less the growth */
         Half grown = half_sub(none, half_larger(shorter, most));
         touching = half_add(touching, half_above(stress, none));
@@ -75,7 +77,8 @@ static double kink_of_rods(const March *m, int64_t n, double gap, int above, dou
     double young = c->young_modulus;
     int64_t row = n * r->trial.columns;
     for (int64_t k = row; k <= row + r->range.at[2 * n + 1] - r->range.at[2 * n]; k++) {
-        double yield = r->yield.at[k], worn = yield - (young + c->hardening) * r->left.at[k];
+        double yield = c->yield_stress + c->hardening * r->plastic.at[k];
+        double worn = yield + (young + c->hardening) * larger(0.0, c->limit - r->plastic.at[k]);
         double stresses[3] = {0.0, yield, worn}; /* at the kinks, without yielding */
         for (int i = 0; i < 3; i++) {
             double kink = (r->trial.at[k] - stresses[i]) * c->thickness / young;
@@ -86,9 +89,9 @@ static double kink_of_rods(const March *m, int64_t n, double gap, int above, dou
     return nearest;
 }
 
-/* Find the rods under a node, and store their stresses at the metal as if they did not yield, their
- * yield stresses, and less what their plastic strains can still grow; the wall is that without contact
- * forces of this step, and its shape near the node moves with the node. */
+/* Find the rods under a node, and store their plastic strains and their stresses at the metal as if
+ * they did not yield; the wall is that without contact forces of this step, and its shape near the node
+ * moves with the node. */
 static void place_rods(const March *m, int64_t n)
 {
     const Coating *c = m->stage.coating;
@@ -110,12 +113,11 @@ static void place_rods(const March *m, int64_t n)
         double wall = hermite_value(&r->nodal, r->element.at[k + 1], r->weight.at + k + 1, width);
         double p = plastic[wrapped(c, range[0] + k)];
         r->trial.at[row] = c->young_modulus * (c->limit - part * (wall - here) - p);
-        r->yield.at[row] = c->yield_stress + c->hardening * p;
-        r->left.at[row] = smaller(0.0, p - c->limit);
+        r->plastic.at[row] = p;
     }
     for (; row % HALF != 0; row++) { /* no rods */
         r->trial.at[row] = -INFINITY;
-        r->yield.at[row] = r->left.at[row] = 0.0;
+        r->plastic.at[row] = 0.0;
     }
     r->near.at[n] = 1;
 }
@@ -172,24 +174,28 @@ static int find_rods(const March *m, double time)
     return touches;
 }
 
-/* Let the plastic strains of the rods under a node grow as `press_node` stored it, and add to the sums
- * of the coating. */
-static void grow_strains(const March *m, int64_t n)
+/* Let the plastic strains of the rods under a node grow as `press_node` stored it, unless another node
+ * let them grow further in this step, and add to the sums of the coating. Returns the force. */
+static double grow_strains(const March *m, int64_t n)
 {
     const Coating *c = m->stage.coating;
     const RodScratch *r = &m->scratch->rods;
     const int64_t *range = r->range.at + 2 * n;
     int64_t track = c->track.at[n];
-    double *plastic = m->state->strain.at + track * m->state->strain.columns;
-    double *sums = m->state->coating.at, volume = c->area.at[track] * c->thickness;
-    for (int64_t k = range[0]; k <= range[1]; k++) {
-        double *p = plastic + wrapped(c, k), stress = r->stress.at[k - range[0]];
-        double grown = r->grown.at[k - range[0]], after = *p + grown;
-        sums[REMOVED] += volume * grown;
-        sums[DISSIPATED] += volume * (c->yield_stress + 0.5 * c->hardening * (after + *p)) * grown;
+    double *plastic = m->state->strain.at + track * m->state->strain.columns, force = 0.0;
+    double *sums = m->state->coating.at, area = c->area.at[track], volume = area * c->thickness;
+    for (int64_t k = 0; k <= range[1] - range[0]; k++) {
+        double *p = plastic + wrapped(c, range[0] + k), grown = r->grown.at[k];
+        double own = r->plastic.at[n * r->plastic.columns + k] + grown;
+        double after = larger(*p, own), more = after - *p; /* 0 without growth: own is *p or less */
+        double stress = larger(0.0, r->stress.at[k] - c->young_modulus * (after - own));
+        sums[REMOVED] += volume * more;
+        sums[DISSIPATED] += volume * (c->yield_stress + 0.5 * c->hardening * (after + *p)) * more;
         sums[STORED] += 0.5 * volume * stress * stress / c->young_modulus;
+        force += area * stress;
         *p = after;
     }
+    return force;
 }
 
 /* Wear the rods under the nodes at their gaps after the step. */
@@ -200,8 +206,8 @@ static void wear_rods(const March *m, const double *gap)
     double slope, *push = m->scratch->rods.push.at;
     for (int64_t n = 0; n < r->near.size; n++)
         if (m->scratch->nodes.listed.at[n] && r->near.at[n]) {
-            push[n] = press_node(m, n, gap[n], &slope);
-            grow_strains(m, n);
+            press_node(m, n, gap[n], &slope);
+            push[n] = grow_strains(m, n);
             if (gap[n] > LEAST_GAP * m->stage.numbers->gap_scale) /* not at the metal */
                 push[n] = -m->scratch->nodes.force.at[DIRECTIONS * n + RADIAL];
             state->coating_impulse.at[n] += push[n] * m->stage.numbers->time_step;

@@ -152,8 +152,7 @@ typedef struct {
     IntVector element; /* their elements */
     Matrix weight;   /* Hermite weights there */
     Matrix trial;    /* stress of each of these rods at the metal if it does not yield [Pa] */
-    Matrix yield;    /* its yield stress [Pa] */
-    Matrix left;     /* less what its plastic strain can still grow */
+    Matrix plastic;  /* its plastic strain at the start of the step */
     Vector stress;   /* stress of each rod under the node that was pressed last [Pa] */
     Vector grown;    /* growth of its plastic strain */
     Matrix nodal;    /* nodal field of the wall without contact forces of this step */
@@ -320,8 +319,7 @@ static void lay_rods(Arena *a, const Stage *g, const State *state, RodScratch *s
     s->element = integers(a, under + 1);
     s->weight = matrix(a, HALF, under + 1);
     s->trial = matrix(a, tips, under);
-    s->yield = matrix(a, tips, under);
-    s->left = matrix(a, tips, under);
+    s->plastic = matrix(a, tips, under);
     s->stress = vector(a, under);
     s->grown = vector(a, under);
     s->nodal = matrix(a, 2, tips > 0 ? g->casing->radial.start.columns : 0);
