@@ -54,8 +54,8 @@ static void eliminate_stuck(const March *m, int64_t size)
 }
 
 /* Compute the parts across the directions of sliding of the slips of few nodes, for the forces that
- * follow from these directions, and their angles in `miss`. Returns the largest angle, INFINITY without
- * normal forces. */
+ * follow from these directions, and in `miss` their angles and slips against the directions. Returns the
+ * largest angle, INFINITY without normal forces. */
 static double slip_across(const March *m, int64_t size, const int64_t *node, int64_t few, double *across)
 {
     NodeScratch *s = &m->scratch->nodes;
@@ -71,8 +71,9 @@ static double slip_across(const March *m, int64_t size, const int64_t *node, int
         across[k] = d[0] * slip[1] - d[1] * slip[0];
         if (!(s->multiplier.at[node[k]] > 0.0))
             across[k] = slip[0] = slip[1] = 0.0;
-        miss[0] = atan2(across[k], d[0] * slip[0] + d[1] * slip[1] + least);
-        miss[1] = 0.0;
+        double along = d[0] * slip[0] + d[1] * slip[1];
+        miss[0] = atan2(across[k], along + least);
+        miss[1] = smaller(0.0, along / least); /* friction would drive the node: it sticks */
         largest = larger(largest, fabs(miss[0]));
     }
     return largest;
