@@ -43,8 +43,8 @@ from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load, Start
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import KernelState
@@ -124,7 +124,7 @@ def settings() -> list[list[Setting]]:
         made = []
         for option in OPTIONS:
             case = read_case(EXAMPLES / f"{example}.toml", [*changes, option])
-            problem = contact_problem(build_stage(case))
+            problem = contact_problem(build_beams(case))
             problem = replace(problem, displacement_limit=OUT_OF_REACH)
             if (bending := problem.foreshortening) is not None:
                 scaled = replace(bending, rows=SMALL_ROWS * bending.rows)
@@ -218,7 +218,7 @@ def speed_table(repeat: int) -> Table:
 
 def begun(example: str, changes: list[str]) -> Callable[[int], object]:
     """Return a function that marches an example with changes from its state after 100 steps."""
-    problem = contact_problem(build_stage(read_case(EXAMPLES / f"{example}.toml", changes)))
+    problem = contact_problem(build_beams(read_case(EXAMPLES / f"{example}.toml", changes)))
     scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
     return partial(scheme.advance, scheme.advance(scheme.init(), 100)[0])
 

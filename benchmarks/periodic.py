@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "suppo
 from periodic_cases import case
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.solvers.periodic.bifurcation import multipliers
 from bladewhirl.solvers.periodic.blade import Blade, Grid, between
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
@@ -42,7 +42,7 @@ def blade_at(rpm: float) -> Blade:
         "reduction.free_interface_modes": 30,
         "damping.ratio": 0.02,
     }
-    blade = Blade.of_problem(marched_stage(case(**changes)).contact_problem())
+    blade = Blade.of_problem(contact_problem(build_stage(case(**changes))))
     old, new = np.arange(float(blade.nodes)), np.linspace(0.0, blade.nodes - 1.0, NODES)
     weights = np.stack([np.interp(new, old, row) for row in np.eye(blade.nodes)], axis=1)
 

@@ -11,7 +11,7 @@ from .models.inputs.errors import UserError as UserError
 from .models.sections.rectangular import Material as Material
 from .models.sections.rectangular import Section as Section
 from .models.solids.blade import mesh3d as mesh3d
-from .models.stage.stage import build_stage as build_stage
+from .models.stage.build import build_stage as build_stage
 from .models.superelements.file import read_superelement as read_superelement
 from .models.superelements.file import write_superelement as write_superelement
 from .postprocess.energy.growth import amplitude_growth as amplitude_growth

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.superelement_structure import LARGE, on_springs, structure_of
 from bladewhirl.models.superelements.reduction import lowest_modes
 from bladewhirl.models.superelements.sector import Sector, Wave
@@ -12,7 +12,7 @@ from bladewhirl.models.superelements.superelement import Superelement
 COMPARED = 10  #: number of the lowest frequencies that are compared
 
 
-def basis_error(stage: SuperelementStage) -> float | None:
+def basis_error(stage: Matrices) -> float | None:
     """Return the largest relative error of the lowest frequencies at the speed of the case, which
     come from modes at other speeds, against those of the file at this speed.
 

@@ -27,7 +27,6 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.lost_part import BladedMesh, LossError, LostPart
-from bladewhirl.models.case.blade_loss import BladeLoss
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
@@ -38,22 +37,23 @@ from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.modes import collect_modes
 from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.stage.beam_rotor import reduced_rotor
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Foreshortening,
     Load,
     LostBlades,
     ReducedRotor,
+    Start,
 )
-from bladewhirl.models.stage.excitations import felt
-from bladewhirl.models.stage.loads import excitation_loads
+from bladewhirl.models.stage.excitations import excitation_loads, felt
 from bladewhirl.models.stage.speed_change import (
     inertia_of,
     modes_at_speed,
     with_course,
     with_drive,
 )
-from bladewhirl.models.stage.stage import Stage, reduced_rotor
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.varying_speed import SpeedChange
 
 TableT = TypeVar("TableT", bound=Any)
@@ -62,14 +62,15 @@ MOVING = 1e-2
 """Smallest share of the kinetic energy of a combination of modes that what remains must have."""
 
 
-def lost_part(stage: Stage, loss: BladeLoss) -> LostPart:
-    """Return the nodes and lines that are lost.
+def lost_part(case: Case, model: BeamModel) -> LostPart:
+    """Return the nodes and lines of beams that are lost with the blades of a case.
 
     Raises:
         CaseError: the blade is not a chain of beams that is joined to the disk at its root only, or
             the fracture is at its tip.
     """
-    model = stage.disk.model
+    loss = case.blade_loss
+    assert loss is not None
     mesh = BladedMesh(
         points=model.mesh.points,
         lines=model.mesh.lines,
@@ -83,7 +84,7 @@ def lost_part(stage: Stage, loss: BladeLoss) -> LostPart:
     except LossError as error:
         argument, expected = error.args
         key = {"blades": "blade_loss.blade", "share": "blade_loss.from"}[argument]
-        raise CaseError([case_fault(stage.case, key, expected)]) from None
+        raise CaseError([case_fault(case, key, expected)]) from None
 
 
 def without_part(model: BeamModel, lost: LostPart) -> BeamModel:
@@ -110,13 +111,13 @@ def without_part(model: BeamModel, lost: LostPart) -> BeamModel:
     )
 
 
-def remaining_disk(stage: Stage, lost: LostPart) -> BladedDiskModel:
-    """Return the bladed disk of a stage without a lost part, at rest with the matrices of its
+def remaining_disk(case: Case, model: BeamModel, lost: LostPart) -> BladedDiskModel:
+    """Return the bladed disk of a case without a lost part, at rest with the matrices of its
     rotation, on the degrees of freedom before the loss; those of lost nodes have no mass and no
     stiffness."""
-    shaft = stage.case.shaft
+    shaft = case.shaft
     disk = assemble_bladed_disk(
-        without_part(stage.disk.model, lost),
+        without_part(model, lost),
         shaft_stiffness=shaft.stiffnesses,
         clamped=shaft.clamped,
     )
@@ -129,24 +130,24 @@ def remaining_disk(stage: Stage, lost: LostPart) -> BladedDiskModel:
     return replace(disk, structure=replace(turning, stiffness=structure.stiffness))
 
 
-def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem) -> ContactProblem:
-    """Return the contact problem of a stage with the loss of blades of its case, if it has one.
+def beams_after_loss(
+    stage: Stage, whole: BladedDiskModel, before: FloatArray, given: ContactProblem
+) -> LostBlades:
+    """Return the contact problem after the loss of blades of a stage of beams.
 
     Args:
         stage: stage with the case.
+        whole: its bladed disk.
+        before: fields of the modes before the loss on the free DoF [kg^-1/2], (size, modes).
         given: contact problem at `Stage.speed`.
-        problem: the same with the speed over time of the case.
 
     Raises:
         CaseError: the loss is not possible, see `lost_part`, or the time step is too long for what
             remains.
     """
-    case, loss = stage.case, stage.case.blade_loss
-    if loss is None:
-        return problem
-    lost = lost_part(stage, loss)
-    disk = remaining_disk(stage, lost)
-    before = stage.reduction.modes.shapes[:, stage.kept.rotor]
+    case, lost = stage.case, lost_part(stage.case, whole.model)
+    assert case.blade_loss is not None
+    disk = remaining_disk(case, whole.model, lost)
     structure = disk.structure.at(stage.speed, case.rotation.effects)
     inertia = before.T @ (structure.mass @ before)
     share, ways = la.eigh(0.5 * (inertia + inertia.T))
@@ -158,7 +159,7 @@ def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem
     modes = collect_modes(structure, square, shapes, np.full(len(square), NO_COLUMN))
     disk = replace(disk, structure=structure)
     rotor = reduced_rotor(case, disk, modes, given.rotor.tip_recess)
-    blades = np.array(loss.blade)
+    blades = np.array(case.blade_loss.blade)
     away = np.linalg.norm(disk.mesh.points[lost.cuts], axis=1)
     reach = rotor.tip_radius - away + float(case.casing.clearance_profile.smallest)
     rotor = _without_tips(rotor, given, blades, reach)
@@ -176,22 +177,51 @@ def with_blade_loss(stage: Stage, given: ContactProblem, problem: ContactProblem
         ),
         foreshortening=_without_bending(given.foreshortening, extension, blades),
     )
-    after = _released(stage, structure, shapes, after)
+    after = _released(stage, whole, structure, shapes, after)
     limit = after.critical_time_step
     if not case.march.time_step < limit:
         expected = (
             f"less than the critical step {limit:.6g} s of what remains after the loss of a blade"
         )
         raise CaseError([case_fault(case, "march.time_step", expected)])
-    lost_blades = LostBlades(
-        time=loss.time,
+    return LostBlades(
+        time=case.blade_loss.time,
         after=after,
         restriction=extension.T @ inertia,
         extension=extension,
         tips=blades,
         reach=reach,
     )
-    return replace(problem, loss=lost_blades)
+
+
+def copies_after_loss(stage: Stage, given: ContactProblem) -> LostBlades:
+    """Return the contact problem after the loss of blades that are copies of one structure.
+
+    Each copy is clamped at its root and moves by itself, or with the others through a flexible
+    casing. A lost copy goes as a whole: its modes have no motion, no load and no contact any more.
+    The root is held, so that nothing feels the imbalance; other blades continue as they are.
+
+    Args:
+        stage: stage with the case.
+        given: contact problem with the speed over time of the case.
+    """
+    loss, rotor = stage.case.blade_loss, given.rotor
+    assert loss is not None
+    remains = np.isin(np.arange(rotor.copies), loss.blade, invert=True)
+    modes, nodes = rotor.tip_radial.shape[1], len(stage.blade)
+    kept, tips = np.repeat(remains, modes), np.flatnonzero(np.repeat(~remains, nodes))
+    clearance = float(stage.case.casing.clearance_profile.smallest)
+    reach = rotor.tip_recess[tips] + stage.blade_length + clearance
+    after = replace(
+        given,
+        rotor=replace(rotor, tip_recess=_recess_without(given, tips, reach)),
+        loads=tuple(replace(load, rotor=np.where(kept, load.rotor, 0.0)) for load in given.loads),
+        start=Start.of_rotor(np.zeros(len(kept)), np.zeros(len(kept)), len(given.casing.frequency)),
+    )
+    staying = np.diag(kept.astype(np.float64))
+    return LostBlades(
+        time=loss.time, after=after, restriction=staying, extension=staying, tips=tips, reach=reach
+    )
 
 
 def loss_faults(case: Case) -> Iterator[Fault]:
@@ -204,11 +234,15 @@ def loss_faults(case: Case) -> Iterator[Fault]:
 
 
 def _released(
-    stage: Stage, remaining: Structure, shapes: FloatArray, after: ContactProblem
+    stage: Stage,
+    disk: BladedDiskModel,
+    remaining: Structure,
+    shapes: FloatArray,
+    after: ContactProblem,
 ) -> ContactProblem:
     """Return the contact problem of what remains with the loads that it feels without the pull of
     the lost part, and with the speed over time of the case."""
-    case, disk, stiffness = stage.case, stage.disk, remaining.elastic
+    case, stiffness = stage.case, remaining.elastic
     course = case.march.course(stage.reference_frequency)
     casing, square = np.zeros(len(after.casing.frequency)), after.speed**2
     if disk.rotates:
@@ -258,15 +292,20 @@ def _without_tips(
 ) -> ReducedRotor:
     """Return a rotor whose lost tips do not move and cannot reach the wall."""
     radial, tangential = rotor.tip_radial.copy(), rotor.tip_tangential.copy()
-    recess = rotor.tip_recess.copy()
     radial[blades] = tangential[blades] = 0.0
-    recess[blades] += reach + 3.0 * given.displacement_limit
-    nodes = given.rotor.nodes
-    if nodes is not None:
-        nodes = replace(nodes, axial=np.zeros_like(radial))
     return replace(
-        rotor, tip_radial=radial, tip_tangential=tangential, tip_recess=recess, nodes=nodes
+        rotor,
+        tip_radial=radial,
+        tip_tangential=tangential,
+        tip_recess=_recess_without(given, blades, reach),
     )
+
+
+def _recess_without(given: ContactProblem, tips: IntArray, reach: FloatArray) -> FloatArray:
+    """Return the recess of all tips, of which lost ones cannot reach the wall [m], (tips,)."""
+    recess = given.rotor.tip_recess.copy()
+    recess[tips] += reach + 3.0 * given.displacement_limit
+    return recess
 
 
 def _without_bending(

@@ -1,30 +1,58 @@
-"""Make the contact problem of a stage, and report faults that only a built stage reveals."""
+"""Build the stage of a case and its contact problem, and report faults that only a built stage
+reveals."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
-from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.stage.blade_loss import loss_faults, with_blade_loss
-from bladewhirl.models.stage.coating import coating_faults, wall_coating
+from bladewhirl.models.shaft_line.line import refuse_line
+from bladewhirl.models.stage.blade_loss import loss_faults
+from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.models.stage.build_matrices import build_matrices
+from bladewhirl.models.stage.coating import rod_faults
+from bladewhirl.models.stage.cone import wall_share
 from bladewhirl.models.stage.contact_problem import (
-    ContactNodes,
     ContactProblem,
-    Foreshortening,
-    ReducedCasing,
-    ReducedRotor,
     WallClosure,
     critical_time_step,
 )
+from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.fused_support import with_fused_support
-from bladewhirl.models.stage.loads import excitation_loads, initial_state
-from bladewhirl.models.stage.speed_change import with_speed_change
+from bladewhirl.models.stage.loads import initial_state
+from bladewhirl.models.stage.speed_change import with_speed_over_time
 from bladewhirl.models.stage.stage import Stage
+
+Buildable = Case | Stage  #: what `build_stage` accepts
+
+BEYOND = 1e-9
+"""A gap at the start may be negative by this fraction of the clearance, by rounding."""
+
+
+def build_stage(given: Buildable, *, blades: bool = False) -> Stage:
+    """Build the stage of a case, of beams or of a superelement; a stage is returned as it is.
+
+    Args:
+        given: a case, or its stage.
+        blades: whether the stiffness of each of the equal blades of sectors is needed.
+
+    Raises:
+        CaseError: there are more modes requested than possible, the stage is too large for the
+            memory, selected modes do not exist, no springs give the suspension frequency, values
+            are too extreme for finite elements in double precision, or the matrices of a file
+            cannot be reduced as the case demands.
+    """
+    if not isinstance(given, Case):
+        return given
+    refuse_line(given)
+    if given.bladed_disk.superelement is None:
+        return build_beams(given)
+    return build_matrices(given, blades=blades)
 
 
 def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
@@ -37,66 +65,73 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
     faults = list(march_faults(stage, steps=steps))
     if faults:
         raise CaseError(faults)
-    case, kept = stage.case, stage.kept
+    case = stage.case
     with numbers_within_reach(case):
-        rotor, casing = marched_bodies(stage)
-        if case.contact.sliding == "full":
-            rotor = with_contact_nodes(rotor)
-        problem = ContactProblem(
-            rotor=rotor,
-            casing=casing,
-            speed=stage.speed,
-            friction=case.wall_friction,
-            sliding=case.contact.sliding,
-            tip_rotation=case.contact.tip_rotation,
-            displacement_limit=stage.displacement_limit,
-            loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
-            start=initial_state(stage).take(kept.rotor, kept.casing),
-            springs=kept.springs,
-            closure=WallClosure.around(
-                case.casing.closure, stage.wall_angle, stage.casing.mesh.radius
-            ),
-            coating=wall_coating(stage),
-            foreshortening=foreshortening(stage),
-        )
-        turning = with_speed_change(stage, problem)
-        if turning.drive is not None and (gap := turning.initial_gap()).min() < 0.0:
-            expected = (
-                "all tips inside the wall at t = 0: with march.drive the imbalance acts from the"
-                f" start on; tip {int(gap.argmin())} would be {-gap.min():.4g} m beyond the wall"
-            )
-            raise CaseError([case_fault(case, "casing.clearance", expected)])
-        return with_fused_support(stage, with_blade_loss(stage, problem, turning))
+        steady = steady_problem(stage)
+        problem = with_speed_over_time(stage, steady)
+        _check_start(stage, problem)
+        if case.blade_loss is not None:
+            problem = replace(problem, loss=stage.without_blades(steady, problem))
+        return with_fused_support(stage, problem)
 
 
-def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:
-    """Return a rotor of beams whose tips, which do not move along the axis, are contact nodes."""
-    nodes = ContactNodes(
-        axial=np.zeros_like(rotor.tip_radial),
-        radius=rotor.tip_radius - rotor.tip_recess,
-        compliance=None,
+def steady_problem(stage: Stage) -> ContactProblem:
+    """Return the contact problem at the constant speed `Stage.speed`, without sudden changes."""
+    case, kept = stage.case, stage.kept
+    rotor, casing = stage.bodies
+    return ContactProblem(
+        rotor=rotor,
+        casing=casing,
+        speed=stage.speed,
+        friction=case.wall_friction,
+        sliding=case.contact.sliding,
+        tip_rotation=case.contact.tip_rotation,
+        displacement_limit=stage.displacement_limit,
+        loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
+        start=initial_state(stage).take(kept.rotor, kept.casing),
+        springs=kept.springs,
+        closure=WallClosure.around(case.casing.closure, casing, wall_share(stage.slope)),
+        coating=stage.coating,
+        foreshortening=stage.foreshortening,
+        slope=stage.slope,
     )
-    return replace(rotor, nodes=nodes)
 
 
-def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
-    """Return bladed disk and casing in the modes of `reduction.modes`."""
-    return stage.rotor.take(stage.kept.rotor), stage.reduced_casing.take(stage.kept.casing)
+def _check_start(stage: Stage, problem: ContactProblem) -> None:
+    """Check the gaps at the start of a contact problem of a stage.
+
+    Raises:
+        CaseError: a tip is beyond the wall.
+    """
+    gap = problem.initial_gap()
+    if problem.coating is not None:
+        gap = gap - problem.coating.removable
+    if gap.min() < -BEYOND * stage.case.casing.clearance:
+        copy, node = divmod(int(gap.argmin()), len(stage.blade))
+        blade = copy * stage.blade_angle.shape[1] + int(stage.blade[node])
+        turned = "" if problem.drive is None else " (the imbalance acts from the start)"
+        expected = (
+            f"all contact nodes inside the wall at t = 0{turned}: node {node} of blade {blade}"
+            f" would be {-gap.min():.4g} m beyond the wall; use a larger clearance, another phase"
+            " of its lobes, or casing.closure, which moves the wall inward later"
+        )
+        raise CaseError([case_fault(stage.case, "casing.clearance", expected)])
 
 
 def march_faults(stage: Stage, *, steps: bool = True) -> Iterator[Fault]:
     """Yield all faults that prevent time integration, without `steps` only those of the stage."""
-    flexible = stage.reduced_casing.is_flexible
-    if not len(stage.kept.rotor) or (flexible and not len(stage.kept.casing)):
+    case, kept, flexible = stage.case, stage.kept, stage.reduced_casing.is_flexible
+    if not len(kept.rotor) or (flexible and not len(kept.casing)):
         expected = "modes of the bladed disk and of the casing"
-        yield case_fault(stage.case, "reduction.modes", expected)
+        yield case_fault(case, "reduction.modes", expected)
     if steps:
         yield from time_step_faults(stage)
-    yield from foreshortening_faults(stage)
-    yield from coating_faults(stage)
+    yield from stage.faults()
+    if stage.coating is not None:
+        yield from rod_faults(case, stage.coating, stage.speed)
     yield from _load_faults(stage)
     yield from _start_faults(stage)
-    yield from loss_faults(stage.case)
+    yield from loss_faults(case)
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
@@ -104,7 +139,7 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
     which a tip passes an element of the casing."""
     case, step = stage.case, stage.case.march.time_step
     with numbers_within_reach(case):
-        bodies = marched_bodies(stage)
+        bodies = stage.bodies
         limit = critical_time_step(*bodies, stage.kept.springs)
         alone = critical_time_step(*bodies, None)
     if limit <= step < alone:
@@ -115,11 +150,10 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
             f" {step:.6g} s (or a time step less than {limit:.6g} s)"
         )
         yield case_fault(case, "coupling.stiffness", expected)
-    elif not step < limit:
+    elif step >= limit:
         expected = (
-            f"less than the critical step {limit:.6g} s = 2/omega_max (or fewer"
-            " casing.elements, bladed_disk.elements_per_blade or"
-            f" reduction.fixed_interface_modes){probable_cause(case)}"
+            f"less than the critical step {limit:.6g} s = 2/omega_max (or"
+            f" {stage.fewer_modes}){probable_cause(case)}"
         )
         yield case_fault(case, "march.time_step", expected)
     element = 2.0 * np.pi / case.casing.elements
@@ -166,11 +200,12 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
                 f" value at a tip is {lost.max():.6g} m"
             )
             yield case_fault(case, "casing.closure.table", expected)
+    of_blade = clearance.reshape(stage.blade_angle.size, -1).min(axis=1)
     for blade, (radial, _) in enumerate(rows):
-        if radial > clearance[blade]:
+        if radial > of_blade[blade]:
             expected = (
                 f"tips inside the casing: blade {blade} starts {radial:.6g} m outward, but its"
-                f" clearance is {clearance[blade]:.6g} m"
+                f" clearance is {of_blade[blade]:.6g} m"
             )
             yield case_fault(case, "initial.tip_displacement", expected)
             break
@@ -180,40 +215,3 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
         if largest > limit:
             expected = f"displacements up to march.displacement_limit = {limit:.6g} m"
             yield case_fault(case, f"initial.{key}", expected)
-
-
-NEGLECTED = 1e-6
-"""Terms of a quadratic form are neglected if they are below this fraction of the largest term when
-all modes have the same energy."""
-
-
-def foreshortening(stage: Stage) -> Foreshortening | None:
-    """Return the foreshortening of the blades in the modes of `reduction.modes`; None if the case
-    has none. See `models.elements.foreshortening` for the quadratic form."""
-    if not stage.case.contact.foreshortening:
-        return None
-    modes = stage.reduction.modes.take(stage.kept.rotor)
-    frequency = np.abs(modes.frequency)
-    weight = np.maximum(frequency, 0.01 * np.median(frequency))
-    around = stage.case.contact.tip_rotation
-    forms = [
-        fewest_terms(*drawback(stage.disk, modes.shapes, blade, around=around), weight, NEGLECTED)
-        for blade in range(len(stage.disk.model.tips))
-    ]
-    terms = max(len(signs) for _, signs, _ in forms)
-    rows, sign = np.zeros((len(forms), terms, modes.count)), np.zeros((len(forms), terms))
-    for blade, (row, signs, _) in enumerate(forms):
-        rows[blade, : len(signs)], sign[blade, : len(signs)] = row, signs
-    return Foreshortening(rows=rows, sign=sign, frequency=max(each for *_, each in forms))
-
-
-def foreshortening_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield a fault if no beam ends at a tip."""
-    case, model = stage.case, stage.disk.model
-    if not case.contact.foreshortening:
-        return
-    for blade, tip in enumerate(model.tips):
-        if not len(blade_beams(model, int(tip)).lines):
-            expected = f"false, because no beam ends at the tip of blade {blade}"
-            yield case_fault(case, "contact.foreshortening", expected)
-            break

@@ -1,7 +1,7 @@
 """Abradable coatings of contact problems: under the tips of beams, or under the contact nodes of a
 superelement."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -11,11 +11,11 @@ from bladewhirl.models.case.coating import Coating
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.fields import MOST
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import (
     WallCoating,
     rod_angles,
 )
-from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.superelements.superelement import Superelement
 
 PER_FOOTPRINT = 4  #: by default, a footprint covers more than this number of rods
@@ -35,56 +35,121 @@ is not below the contact nodes by more than this fraction of their axial extent.
 LISTED = 8  #: a message lists all axial positions up to this number of them
 
 
-def wall_coating(stage: Stage) -> WallCoating | None:
-    """Return the coating of the casing; None if there is none.
+def coating_of(
+    case: Case,
+    axial_position: FloatArray,
+    radius: FloatArray,
+    covered: Callable[[], FloatArray],
+    wall_radius: float,
+) -> WallCoating | None:
+    """Return the coating of the wall; None if there is none.
+
+    There is a track of rods for each axial position of contact nodes, whose outermost nodes are at
+    the edges of the blades. The widths of the tracks follow from the axial distances between them,
+    see `spacing`.
+
+    Args:
+        case: the case.
+        axial_position: axial position of each contact node of a copy [m], (nodes,).
+        radius: radius of each contact node [m], (nodes,).
+        covered: function that returns the arc that each contact node covers [m], (nodes,), if the
+            case does not give it.
+        wall_radius: radius of the wall [m].
 
     Raises:
-        CaseError: the case has no footprint, and no beam ends at a tip.
+        CaseError: no footprint follows from the geometry, or the tracks of a worn profile are not
+            at the axial positions of the contact nodes.
     """
-    case, coating, radius = stage.case, stage.case.casing.coating, stage.casing.mesh.radius
+    coating = case.casing.coating
     if coating is None:
         return None
-    footprint = _tip_thickness(stage)
-    if coating.footprint is not None:
-        footprint = np.full_like(footprint, coating.footprint)
-    elif not np.isfinite(footprint).all():
-        expected = "a length, because the tips are not ends of beams"
-        raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
-    strain = _worn(coating, 2.0 * np.pi * radius, footprint, case.blades, 1)
+    axial, track = axial_tracks(axial_position, radius)
+    if len(axial) > 1:
+        width = spacing(axial)
+    else:
+        width = np.full(1, coating.width or case.casing.wall.width)
+    given = coating.footprint
+    footprint = covered() if given is None else np.full(len(track), given)
+    worn = coating.profile.axial if coating.profile is not None else axial[:0]
+    if len(worn) and (len(worn) != len(axial) or (np.abs(worn - axial) > MISPLACED * width).any()):
+        expected = (
+            f"tracks at the axial positions of the contact nodes, {_listed(axial)},"
+            f" not at {_listed(worn)}"
+        )
+        raise CaseError([case_fault(case, "casing.coating.profile", expected)])
     return WallCoating(
-        strain=strain,
-        axial=np.zeros(1),
-        width=np.full(1, coating.width or case.casing.wall.width),
-        track=np.zeros(len(footprint), dtype=np.int64),
+        strain=_worn(coating, 2.0 * np.pi * wall_radius, footprint, case.blades, len(axial)),
+        axial=axial,
+        width=width,
+        track=track,
         footprint=footprint,
-        radius=radius,
-        **_law(coating),
+        radius=wall_radius,
+        hardening=coating.slope,
+        thickness=coating.thickness,
+        young_modulus=coating.young_modulus,
+        yield_stress=coating.yield_stress,
+        limit=coating.limit,
     )
 
 
-def coating_faults(stage: Stage) -> Iterator[Fault]:
-    """Yield faults if the time step is too long for the time in which a tip passes a rod."""
-    coating = wall_coating(stage)
-    if coating is not None:
-        yield from rod_faults(stage.case, coating, stage.speed, stage.casing.mesh.radius)
+def beam_footprint(case: Case, arrays: StageArrays) -> FloatArray:
+    """Return the thickness of each blade of beams at its tip [m], (tips,).
+
+    Raises:
+        CaseError: no beam ends at a tip.
+    """
+    ends = arrays.rotor_thickness[:, None] + arrays.rotor_thickness_change[:, None] * [-0.5, 0.5]
+    thickness = np.array(
+        [ends[arrays.rotor_line == node].min(initial=np.inf) for node in arrays.tip_node]
+    )
+    if not np.isfinite(thickness).all():
+        expected = "a length, because the tips are not ends of beams"
+        raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
+    return thickness
 
 
-def rod_faults(case: Case, coating: WallCoating, speed: float, radius: float) -> Iterator[Fault]:
-    """Yield a fault if a tip or a contact node at a radius [m] passes a rod in each time step."""
+def node_footprint(
+    case: Case, part: Superelement, blade: IntArray, thickness: FloatArray | None = None
+) -> FloatArray:
+    """Return the arc that each contact node of a superelement covers [m], (nodes,).
+
+    A node covers the arc of the thickness of its blade at its track; nodes of a blade in one track
+    share it by the distances between neighbours. Where no thickness is known, a node covers an arc
+    by these distances.
+
+    Args:
+        case: the case.
+        part: the superelement.
+        blade: blade of each contact node of a copy, (nodes,).
+        thickness: what `tip_thickness` returns.
+
+    Raises:
+        CaseError: contact nodes of a blade are at the same angle, so that no footprint follows.
+    """
+    _, track = axial_tracks(part.contact_position[:, 2], part.contact_radius)
+    footprint, along = np.zeros(part.contacts), part.contact_angle * part.contact_radius
+    for number in np.unique(blade):
+        members = np.flatnonzero(blade == number)
+        if thickness is None:
+            footprint[members] = spacing(along[members])
+            continue
+        for place in np.unique(track[members]):
+            row = members[track[members] == place]
+            share = spacing(along[row]) if len(row) > 1 else np.ones(1)
+            footprint[row] = thickness[place] * share / (share.sum() or np.inf)
+    if not footprint.min() > SAME * part.contact_radius.max():
+        expected = "a length, because contact nodes of a blade are at the same angle"
+        raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
+    return footprint
+
+
+def rod_faults(case: Case, coating: WallCoating, speed: float) -> Iterator[Fault]:
+    """Yield a fault if a contact node passes a rod in each time step."""
     step = case.march.time_step
-    if not abs(speed) * step * radius < coating.arc:
+    if not abs(speed) * step * coating.radius < coating.arc:
         most = int(2.0 * np.pi / (abs(speed) * step))
         expected = f"at most {most} rods, so that a tip passes less than one rod in a time step"
         yield case_fault(case, "casing.coating.elements", expected)
-
-
-def _tip_thickness(stage: Stage) -> FloatArray:
-    """Return the thickness of each blade at its tip [m], (tips,)."""
-    arrays = stage.arrays
-    ends = arrays.rotor_thickness[:, None] + arrays.rotor_thickness_change[:, None] * [-0.5, 0.5]
-    return np.array(
-        [ends[arrays.rotor_line == node].min(initial=np.inf) for node in arrays.tip_node]
-    )
 
 
 def tip_thickness(part: Superelement, blades: int) -> FloatArray | None:
@@ -123,78 +188,6 @@ def _share_below(corners: FloatArray, levels: FloatArray) -> FloatArray:
         falling = 1.0 - (high - levels) ** 2 / ((high - low) * (high - middle))
     within = np.where(levels < middle, rising, falling)
     return np.select([levels <= low, levels >= high], [0.0, 1.0], within)
-
-
-def node_coating(
-    case: Case,
-    part: Superelement,
-    blade: IntArray,
-    wall_radius: float,
-    thickness: FloatArray | None = None,
-) -> WallCoating | None:
-    """Return the coating of the wall; None if there is none.
-
-    There is a track of rods for each axial position of contact nodes, whose outermost nodes are at
-    the edges of the blades. The widths of the tracks follow from the axial distances between them,
-    see `spacing`. A node covers the arc of the thickness of its blade at its track; nodes of a
-    blade in one track share it by the distances between neighbours. Where no thickness is known, a
-    node covers an arc by these distances.
-
-    Args:
-        case: the case.
-        part: the superelement.
-        blade: blade of each contact node of a copy, (nodes,).
-        wall_radius: radius of the wall [m].
-        thickness: what `tip_thickness` returns.
-
-    Raises:
-        CaseError: contact nodes of a blade are at the same angle, so that no footprint follows, or
-            the tracks of a worn profile are not at the axial positions of the contact nodes.
-    """
-    coating = case.casing.coating
-    if coating is None:
-        return None
-    axial, track = axial_tracks(part.contact_position[:, 2], part.contact_radius)
-    if len(axial) > 1:
-        width = spacing(axial)
-    else:
-        width = np.full(1, coating.width or case.casing.wall.width)
-    footprint = np.full(part.contacts, coating.footprint or 0.0)
-    if coating.footprint is None:
-        along = part.contact_angle * part.contact_radius
-        for number in np.unique(blade):
-            members = np.flatnonzero(blade == number)
-            if thickness is None:
-                footprint[members] = spacing(along[members])
-                continue
-            for place in np.unique(track[members]):
-                row = members[track[members] == place]
-                share = spacing(along[row]) if len(row) > 1 else np.ones(1)
-                footprint[row] = thickness[place] * share / (share.sum() or np.inf)
-        if not footprint.min() > SAME * wall_radius:
-            expected = "a length, because contact nodes of a blade are at the same angle"
-            raise CaseError([case_fault(case, "casing.coating.footprint", expected)])
-    worn = coating.profile.axial if coating.profile is not None else axial[:0]
-    if len(worn) and (len(worn) != len(axial) or (np.abs(worn - axial) > MISPLACED * width).any()):
-        expected = (
-            f"tracks at the axial positions of the contact nodes, {_listed(axial)},"
-            f" not at {_listed(worn)}"
-        )
-        raise CaseError([case_fault(case, "casing.coating.profile", expected)])
-    return WallCoating(
-        strain=_worn(coating, 2.0 * np.pi * wall_radius, footprint, case.blades, len(axial)),
-        axial=axial,
-        width=width,
-        track=track,
-        footprint=footprint,
-        radius=wall_radius,
-        **_law(coating),
-    )
-
-
-def _law(coating: Coating) -> dict[str, float]:
-    names = ("thickness", "young_modulus", "yield_stress", "limit")
-    return {"hardening": coating.slope, **{name: getattr(coating, name) for name in names}}
 
 
 def _worn(

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 
 Rows = TypeVar("Rows", FloatArray, ComplexArray)
 
@@ -67,39 +67,42 @@ def slopes(casing: Casing, axial: FloatArray) -> float | FloatArray:
     return np.asarray(np.arctan(PchipInterpolator(place, radius)(axial, 1)))
 
 
-def in_cone(problem: ContactProblem, slope: float | FloatArray) -> ContactProblem:
-    """Return a problem of contact nodes in a cylinder as that in a cone with a slope [rad], or
-    under a contour with a slope at each contact node of a copy, (nodes,).
+def wall_share(slope: float | FloatArray) -> float:
+    """Return the part of radial lengths that is normal to the whole wall; 1 under a contour, where
+    it is a property of the contact nodes."""
+    return 1.0 if np.ndim(slope) else float(np.cos(slope))
+
+
+def in_cone(
+    rotor: ReducedRotor, casing: ReducedCasing, slope: float | FloatArray
+) -> tuple[ReducedRotor, ReducedCasing]:
+    """Return a rotor with contact nodes in a cylinder, and its casing, as those in a cone with a
+    slope [rad], or under a contour with a slope at each contact node of a copy, (nodes,).
 
     Under a contour the casing has to be rigid, because the radial force on it differs from node to
     node.
     """
-    if not np.any(slope):
-        return problem
-    rotor, casing, closure = problem.rotor, problem.casing, problem.closure
     nodes = rotor.nodes
+    if not np.any(slope):
+        return rotor, casing
     assert nodes is not None
     contact, compliance = in_wall_axes(rotor.contact, slope), nodes.compliance
     if compliance is not None:
         compliance = np.stack([compliance_in_wall_axes(each, slope) for each in compliance])
-    part = np.cos(slope)
-    # One slope is that of the whole wall; slopes that differ are properties of the nodes.
-    shorter, own = (1.0, part) if np.ndim(slope) else (float(part), 1.0)
+    part, shorter = np.cos(slope), wall_share(slope)
+    own = part if np.ndim(slope) else 1.0
     along = np.array([shorter, shorter, 1.0, 1.0])  # w, dw/ds, u, du/ds
-    return replace(
-        problem,
-        rotor=replace(
+    recess = np.tile(np.broadcast_to(part, len(nodes.radius)), rotor.copies) * rotor.tip_recess
+    return (
+        replace(
             rotor,
             tip_radial=contact[0::3],
-            tip_recess=np.tile(np.broadcast_to(part, len(nodes.radius)), rotor.copies)
-            * rotor.tip_recess,
+            tip_recess=recess,
             nodes=replace(nodes, axial=contact[2::3], compliance=compliance, normal_part=own),
         ),
-        casing=replace(
+        replace(
             casing,
             nodal=along[:, None] * casing.nodal,
             clearance=shorter * casing.clearance,
         ),
-        closure=None if closure is None else replace(closure, share=shorter * closure.share),
-        slope=slope,
     )

@@ -227,7 +227,10 @@ class ReducedRotor:
         )
 
     def take(self, modes: IntArray) -> "ReducedRotor":
-        """Return the rotor, which is of one copy, with the chosen modes."""
+        """Return the rotor with the chosen modes; one of several copies has all of them."""
+        if len(modes) == len(self.frequency):
+            return self
+        nodes = self.nodes
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -240,6 +243,7 @@ class ReducedRotor:
             by_velocity=(
                 None if self.by_velocity is None else self.by_velocity[np.ix_(modes, modes)]
             ),
+            nodes=None if nodes is None else replace(nodes, axial=nodes.axial[:, modes]),
         )
 
     def turning_force(self, displacement: FloatArray, velocity: FloatArray) -> FloatArray:
@@ -303,7 +307,7 @@ class ReducedCasing:
     def angle(self) -> FloatArray:
         """Angle of each node from +x [rad], (nodes,)."""
         nodes = len(self.nodal)
-        return np.asarray(2.0 * np.pi / nodes * np.arange(float(nodes)))
+        return np.asarray(2.0 * np.pi * np.arange(nodes) / nodes)
 
     @property
     def element_length(self) -> float:
@@ -330,6 +334,8 @@ class ReducedCasing:
 
     def take(self, modes: IntArray) -> "ReducedCasing":
         """Return the casing with the chosen modes."""
+        if len(modes) == len(self.frequency):
+            return self
         return replace(
             self,
             frequency=self.frequency[modes],
@@ -351,14 +357,14 @@ class WallClosure:
 
     @classmethod
     def around(
-        cls, course: Closure | None, angle: FloatArray, radius: float
+        cls, course: Closure | None, wall: ReducedCasing, normal: float
     ) -> "WallClosure | None":
-        """Return the closure at angles [rad] around a wall of a radius [m]; None if `course` is
-        None."""
+        """Return the closure around a wall, whose radial lengths have the part `normal` across it;
+        None if `course` is None."""
         if course is None:
             return None
-        share = [course.around.value(angle), course.around.slope(angle) / radius]
-        return cls(course=course, share=np.column_stack(share))
+        share = [course.around.value(wall.angle), course.around.slope(wall.angle) / wall.radius]
+        return cls(course=course, share=normal * np.column_stack(share))
 
     def at(self, time: float) -> FloatArray:
         """Return the closure and its derivative by s at each node [m, 1], (nodes, 2)."""

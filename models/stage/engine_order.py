@@ -1,15 +1,15 @@
-"""Engine-order forces on blades: unit forces on the full bladed disk, and loads of the march.
+"""Engine-order forces of unit amplitude on blades of beams and on those of a superelement.
 
 The force on blade n at the angle theta_n is F cos(r (Omega t + theta_n) + phase). The direction of
 the force turns with the blade. The force depends only on the static angle Omega t + theta_n: around
 the circle it has r maxima, which are at rest in the static frame.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
+import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import Chain, ComplexArray, FloatArray, IntArray, chain_to
+from bladewhirl.meshes.line_mesh import Chain, FloatArray, IntArray, chain_to
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
@@ -22,27 +22,11 @@ from bladewhirl.models.elements.bladed_disk import (
     nodal_to_line_axes,
 )
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.stage import Stage
 
 BLADES = "blades"  #: name of the set of lines of the blades
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 """Gauss points and weights on -1 to 1, which integrate a uniform load on a beam exactly."""
-
-
-def engine_order_forces(stage: Stage, load: EngineOrder) -> Iterator[tuple[int, ComplexArray]]:
-    """Yield for each engine order r the complex forces on the modes for the time factor
-    exp(i r Omega t), (modes,)."""
-    unit = unit_forces(stage.case, stage.disk, load) @ stage.reduction.modes.shapes
-    for order in load.order:
-        yield order, load.amplitude * complex_factors(stage.disk, load, order) @ unit
-
-
-def complex_factors(disk: BladedDiskModel, load: EngineOrder, order: int) -> ComplexArray:
-    """Return the complex amplitude of the force on each blade, relative to the amplitude of the
-    load, for the time factor exp(i r Omega t), (blades,)."""
-    angle = order * disk.tip_angles + np.asarray(load.phase)
-    return np.asarray((load.factors or 1.0) * np.exp(1j * angle))
 
 
 def unit_forces(case: Case, disk: BladedDiskModel, load: EngineOrder) -> FloatArray:
@@ -163,3 +147,23 @@ def _gauss_points(ends: FloatArray, first: float, last: float) -> list[tuple[flo
     places = (middle[:, None] + half[:, None] * POINTS).ravel() / whole
     weights = (half[:, None] * WEIGHTS).ravel()
     return list(zip(places.tolist(), weights.tolist(), strict=True))
+
+
+def mean_along(
+    load: EngineOrder, blade: IntArray, angle: FloatArray, number: IntArray, count: int
+) -> sp.csr_array:
+    """Return the mean displacement of the places of each blade of a copy along the direction of a
+    load, as rows on the displacements of nodes or points, (blades, 3 * count).
+
+    Args:
+        load: the excitation.
+        blade: blade of each place, (places,).
+        angle: angle of the radial direction of each place in the axes of the displacements [rad],
+            (places,).
+        number: number of the node or the point at each place, (places,).
+        count: number of nodes or points.
+    """
+    direction = [np.cos(load.inclination), np.sin(load.inclination), 0.0]
+    shares = rotate(direction, angle) / np.bincount(blade)[blade][:, None]
+    places = np.repeat(blade, 3), (3 * number[:, None] + np.arange(3)).ravel()
+    return sp.csr_array((shares.ravel(), places), shape=(int(blade.max()) + 1, 3 * count))

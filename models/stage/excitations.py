@@ -5,15 +5,14 @@ casing are in static axes. An excitation is a class in `models/case/excitation.p
 here, which is registered for this class.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import replace
 from functools import singledispatch
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     EngineOrder,
@@ -26,34 +25,13 @@ from bladewhirl.models.coupling.stage_modes import is_radial
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.models.stage.ring import Ring
+from bladewhirl.models.stage.stage import Stage
 
 ROUNDING = 1e-12
 """A modal force up to this fraction of the largest counts as zero."""
 
 X, Y = range(2)
 """Positions of x and y in the motion of the centre."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoadedStage:
-    """What excitations act on."""
-
-    case: Case
-    speed: float  #: speed of rotation [rad/s]
-    varies: bool = False  #: whether the speed varies; loads then follow speed and angle
-    centre: FloatArray  #: x and y of the centre for unit modal coordinates [kg^-1/2], (2, modes)
-    rest: FloatArray  #: modal forces of zero on the bladed disk, (modes,)
-    ring: Ring | None  #: flexible casing; None for a rigid wall
-    blade_angle: FloatArray  #: angle of each blade at t = 0 [rad], (blades,)
-    unbalance: Callable[[Imbalance], float]  #: function that returns m e of an imbalance [kg m]
-    forces_of_order: Callable[[EngineOrder], Iterable[tuple[int, ComplexArray]]]
-    """Function that returns for each engine order r the complex modal forces on the bladed disk for
-    the time factor exp(i r Omega t), (modes,)."""
-
-    @property
-    def casing_rest(self) -> FloatArray:
-        """Modal forces of zero on the casing, (casing modes,)."""
-        return np.zeros(0 if self.ring is None else len(self.ring.reduced_casing.frequency))
 
 
 def direction(load: Imbalance, blade_angle: FloatArray) -> FloatArray:
@@ -67,28 +45,33 @@ def direction(load: Imbalance, blade_angle: FloatArray) -> FloatArray:
     return np.array([np.cos(angle), np.sin(angle)])
 
 
-def loads_on(stage: LoadedStage) -> tuple[Load, ...]:
-    """Return the loads of all excitations of a case."""
+def excitation_loads(stage: Stage) -> tuple[Load, ...]:
+    """Return the loads of all excitations of a case, on all modes of a stage; none if they are
+    zero.
+
+    Raises:
+        CaseError: the casing has no radial mode of the required nodal diameter, or the forces have
+            no place on the blades.
+    """
     excitations: Iterable[Excitation] = stage.case.excitations.values()
     return tuple(load for each in excitations for load in modal_loads(each, stage))
 
 
 @singledispatch
-def modal_loads(load: object, stage: LoadedStage) -> tuple[Load, ...]:
+def modal_loads(load: object, stage: Stage) -> tuple[Load, ...]:
     """Return the loads of an excitation; none if it is zero."""
     return ()
 
 
 @modal_loads.register
-def _(load: CasingDistortion, stage: LoadedStage) -> tuple[Load, ...]:
+def _(load: CasingDistortion, stage: Stage) -> tuple[Load, ...]:
     """Return the loads of a casing distortion.
 
     Raises:
         CaseError: the casing has no radial mode of the required nodal diameter.
     """
-    assert stage.ring is not None  # a case with a rigid wall refuses this excitation
-    pattern, still = stage.casing_rest, stage.rest
-    mode = radial_mode(stage.ring, load.nodal_diameter, stage.case.key_of(load))
+    pattern, still = stage.casing_rest, stage.rotor_rest
+    mode = radial_mode(stage, load.nodal_diameter, stage.case.key_of(load))
     pattern[mode] = load.modal_force
     if load.duration == 0.0:
         return ()
@@ -103,19 +86,22 @@ def _(load: CasingDistortion, stage: LoadedStage) -> tuple[Load, ...]:
 
 
 @modal_loads.register
-def _(load: Imbalance, stage: LoadedStage) -> tuple[Load, ...]:
+def _(load: Imbalance, stage: Stage) -> tuple[Load, ...]:
     """Return the loads of an imbalance at the centre, which is fixed in rotating axes: the inertia
     force of a mass. If the speed varies, it has a part across its direction due to the
     acceleration."""
-    force = stage.unbalance(load) * stage.speed**2
-    along = direction(load, stage.blade_angle)
+    size = unbalance_of(load, stage)
+    force = size * stage.speed**2
+    along = direction(load, stage.blade_angle.ravel())
     aside = np.array([-along[Y], along[X]])
-    steady = Load(rotor=force * (along @ stage.centre), casing=stage.casing_rest, ramp=load.ramp)
-    if not stage.varies or force == 0.0:
+    steady = Load(
+        rotor=force * (along @ stage.rotor.centre), casing=stage.casing_rest, ramp=load.ramp
+    )
+    if not stage.case.march.varies or force == 0.0:
         return (steady,)
     across = replace(
         steady,
-        rotor=felt(stage.unbalance(load) * (aside @ stage.centre)),
+        rotor=felt(size * (aside @ stage.rotor.centre)),
         constant=0.0,
         by_acceleration=-1.0,
     )
@@ -123,7 +109,7 @@ def _(load: Imbalance, stage: LoadedStage) -> tuple[Load, ...]:
 
 
 @modal_loads.register
-def _(load: Harmonic, stage: LoadedStage) -> tuple[Load, ...]:
+def _(load: Harmonic, stage: Stage) -> tuple[Load, ...]:
     """Return the loads of a harmonic force at the centre.
 
     A force F cos(omega t) along the static x axis is F cos(omega t) (cos Omega t, -sin Omega t) in
@@ -132,13 +118,13 @@ def _(load: Harmonic, stage: LoadedStage) -> tuple[Load, ...]:
     """
     still, omega = stage.casing_rest, 2.0 * np.pi * load.frequency
     if load.frame == "rotating":
-        return (Load(rotor=load.force * stage.centre[X], casing=still, frequency=omega),)
+        return (Load(rotor=load.force * stage.rotor.centre[X], casing=still, frequency=omega),)
     return tuple(
         Load(
-            rotor=0.5 * load.force * stage.centre[axis],
+            rotor=0.5 * load.force * stage.rotor.centre[axis],
             casing=still,
-            frequency=beat if stage.varies else stage.speed + beat,
-            order=float(stage.varies),
+            frequency=beat if stage.case.march.varies else stage.speed + beat,
+            order=float(stage.case.march.varies),
             phase=phase,
         )
         for beat in (omega, -omega)
@@ -147,7 +133,7 @@ def _(load: Harmonic, stage: LoadedStage) -> tuple[Load, ...]:
 
 
 @modal_loads.register
-def _(load: EngineOrder, stage: LoadedStage) -> tuple[Load, ...]:
+def _(load: EngineOrder, stage: Stage) -> tuple[Load, ...]:
     """Return the loads of engine-order forces, two for each order r: the force Re(f exp(i r Omega
     t)) is Re f times cos(r Omega t), and minus Im f times sin(r Omega t)."""
     loads = [
@@ -155,11 +141,11 @@ def _(load: EngineOrder, stage: LoadedStage) -> tuple[Load, ...]:
             rotor=pattern,
             casing=stage.casing_rest,
             ramp=load.ramp,
-            frequency=0.0 if stage.varies else order * stage.speed,
-            order=float(order * stage.varies),
+            frequency=0.0 if stage.case.march.varies else order * stage.speed,
+            order=float(order * stage.case.march.varies),
             phase=phase,
         )
-        for order, force in stage.forces_of_order(load)
+        for order, force in forces_of_order(load, stage)
         for pattern, phase in ((force.real, 0.0), (force.imag, 0.5 * np.pi))
     ]
     return tuple(loads[:1] if load.order == (0,) else loads)
@@ -168,6 +154,56 @@ def _(load: EngineOrder, stage: LoadedStage) -> tuple[Load, ...]:
 def felt(force: FloatArray) -> FloatArray:
     """Return modal forces without those on modes that feel the load only by rounding."""
     return np.where(np.abs(force) > ROUNDING * np.abs(force).max(initial=0.0), force, 0.0)
+
+
+def forces_of_order(load: EngineOrder, stage: Stage) -> list[tuple[int, ComplexArray]]:
+    """Return for each engine order r the complex modal forces on the bladed disk for the time
+    factor exp(i r Omega t) [kg^1/2 m/s2], (modes,)."""
+    return by_order(load, stage.unit_forces(load), stage.blade_angle)
+
+
+def by_order(
+    load: EngineOrder, acting: FloatArray, angle: FloatArray
+) -> list[tuple[int, ComplexArray]]:
+    """Return for each engine order r the complex answers of all copies to its forces.
+
+    The force on the blade at the angle theta is F cos(r (Omega t + theta) + phase).
+
+    Args:
+        load: the excitation.
+        acting: answer of a copy to a unit force on each of its blades, (blades, values).
+        angle: angle of each blade at t = 0 [rad], (copies, blades of a copy).
+    """
+    factors = np.broadcast_to(np.asarray(load.factors or 1.0), angle.size).reshape(angle.shape)
+    phases = np.broadcast_to(np.asarray(load.phase), angle.size).reshape(angle.shape)
+    forces = (
+        (order, load.amplitude * factors * np.exp(1j * (order * angle + phases)))
+        for order in load.order
+    )
+    return [(order, (force @ acting).ravel()) for order, force in forces]
+
+
+def unbalance_of(load: Imbalance, stage: Stage) -> float:
+    """Return the unbalance m e of an imbalance [kg m].
+
+    If ``clearance_speed`` is given, the static response to m e Omega^2 at that speed just brings a
+    tip to the casing where the clearance is smallest. With two equal springs at the centre and
+    blades of equal length, this force is the stiffness times the clearance at rest. With rotation
+    effects, blades of beams also bend, and the stiffness at speed is used.
+    """
+    size = load.size(stage.reference_frequency)
+    if size is not None:
+        return size
+    assert load.clearance_speed is not None  # a case has one key for the unbalance
+    speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
+    return unbalance_to_touch(stage, speed, direction(load, stage.blade_angle.ravel()))
+
+
+def unbalance_to_touch(stage: Stage, speed: float, along: FloatArray) -> float:
+    """Return the unbalance in a direction (2,) whose static response at a speed [rad/s] just brings
+    a tip to the casing [kg m], see `closing_unbalance`."""
+    gap = stage.reduced_casing.clearance[:, 0].min() + stage.recess_at(speed)
+    return closing_unbalance(stage.answer(along, speed), gap, speed)
 
 
 def closing_unbalance(outward: FloatArray, gap: FloatArray, speed: float) -> float:

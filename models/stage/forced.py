@@ -9,15 +9,12 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
-from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL
-from bladewhirl.models.rotation.at_speed import check_stable
 from bladewhirl.models.stage.contact_problem import ReducedRotor
-from bladewhirl.models.stage.engine_order import complex_factors, unit_forces
-from bladewhirl.models.stage.stage import Stage, rotor_at
-from bladewhirl.models.stage.superelement_loads import blade_means
-from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.models.stage.excitations import by_order, forces_of_order
+from bladewhirl.models.stage.loads import blade_means
+from bladewhirl.models.stage.stage import Stage
 
 EngineOrders = Sequence[EngineOrder]
 """Excitations of engine order."""
@@ -42,9 +39,9 @@ class ForcedRotor:
     forces: Mapping[int, ComplexArray]
     """Complex modal forces of each engine order r for the time factor exp(i r Omega t)
     [kg^1/2 m/s2], (modes,)."""
-    tips: FloatArray | None = None
+    tips: FloatArray
     """Matrix from displacements of the contact nodes of a copy to those of its blade tips, (blades
-    of a copy, nodes); None if each blade has one tip."""
+    of a copy, nodes)."""
     static: Mapping[int, ComplexArray] = field(default_factory=dict)
     """Complex displacements of the contact nodes of each copy, radial, tangential and axial, due to
     the modes that are left out, by engine order [m], (copies, 3 * nodes)."""
@@ -58,9 +55,7 @@ class ForcedRotor:
         moved = np.stack([answers @ row.T for row in rows])  # (2, copies, nodes)
         if order in self.static:
             moved = moved + np.stack([self.static[order][:, k::3] for k in (1, 0)])
-        if self.tips is not None:
-            moved = moved @ self.tips.T
-        tangential, radial = moved.reshape(2, -1)
+        tangential, radial = (moved @ self.tips.T).reshape(2, -1)
         motion = {"tip_tangential": tangential, "tip_radial": radial}
         if self.has_centre:
             motion["centre"] = rotor.centre @ answers[0]
@@ -111,82 +106,54 @@ class ForcedRotor:
             yield stiffness, damping, force
 
 
-def forced_beams(
-    stage: Stage, loads: EngineOrders, omegas: Sequence[float]
-) -> Iterator[ForcedRotor]:
-    """Yield the equations of beams at each speed [rad/s].
+def forced(stage: Stage, loads: EngineOrders, omegas: Sequence[float]) -> Iterator[ForcedRotor]:
+    """Yield a bladed disk under engine-order forces at each speed [rad/s].
 
     Raises:
         CaseError: a speed reaches the lowest critical speed, and there are no Coriolis forces.
         UserError: the equations depend on time, or the case selects modes.
     """
-    case, disk = stage.case, stage.disk
-    if stage.rotor.anisotropy:
-        raise UserError("response: expected equal shaft springs")
-    if stage.kept.springs is not None:
-        raise UserError("response: not allowed with springs between bladed disk and casing")
-    if case.reduction.modes != ALL:
-        raise UserError(f'reduction.modes = "{case.reduction.modes}": expected "{ALL}"')
-    if disk.rotates:
-        fastest = max(omegas, key=abs)
-        at_speed = {"march.speed": fastest / stage.reference_frequency}
-        own = with_values(case, at_speed)
-        check_stable(own, disk.structure, fastest, stage.reference_frequency)
-    units = [(load, unit_forces(case, disk, load)) for load in loads]
+    check_forced(stage)
+    stage.check_speed(max(omegas, key=abs))
+    made = forced_rotor(stage, loads)
     for omega in omegas:
-        rotor, shapes = rotor_at(stage, omega)
-        modal = [(load, unit @ shapes) for load, unit in units]
-        forces = {
-            order: np.asarray(
-                sum(
-                    load.amplitude * complex_factors(disk, load, order) @ unit
-                    for load, unit in modal
-                    if order in load.order
-                )
-            )
-            for order in orders_of(loads)
-        }
-        yield ForcedRotor(rotor=rotor, forces=forces)
+        own = stage.at(omega)
+        if own is not stage:  # the bladed disk depends on the speed
+            made = forced_rotor(own, loads)
+        yield made
 
 
-def forced_superelement(
-    stage: SuperelementStage, loads: EngineOrders, omegas: Sequence[float]
-) -> Iterator[ForcedRotor]:
-    """Yield the equations of a superelement at each speed [rad/s].
-
-    Raises:
-        CaseError: a speed reaches the lowest critical speed.
-        UserError: the equations depend on time.
-    """
-    reference = stage.reference_frequency
-    if stage.rotor_at(stage.speed).anisotropy:
-        raise UserError("response: expected equal shaft springs")
-    if stage.case.coupling.stiffness:
-        raise UserError("response: not allowed with springs between bladed disk and casing")
-    for omega in omegas:
-        if stage.case.rotation.effects != "none":
-            at_speed = {"march.speed": omega / reference}
-            stage = superelement_stage(
-                with_values(stage.case, at_speed), stage.ring, blades=stage.blades
-            )
-        yield forced_stage(stage, loads, omega)
-
-
-def forced_stage(stage: SuperelementStage, loads: EngineOrders, omega: float) -> ForcedRotor:
-    """Return the equations of a superelement that is reduced at a speed [rad/s]."""
+def forced_rotor(stage: Stage, loads: EngineOrders) -> ForcedRotor:
+    """Return a bladed disk under engine-order forces at the speed of the stage."""
     forces, static = dict[int, ComplexArray](), dict[int, ComplexArray]()
     for load in loads:
-        for order, force in stage.forces_of_order(load):
+        for order, force in forces_of_order(load, stage):
             forces[order] = forces.get(order, 0.0) + force
-        for order, moved in stage.static_of_order(load):
+        answer = stage.static_answer(load)
+        for order, flat in () if answer is None else by_order(load, answer, stage.blade_angle):
+            moved = flat.reshape(stage.rotor.copies, -1) / stage.factor[:, None]
             static[order] = static.get(order, 0.0) + moved
     return ForcedRotor(
-        rotor=stage.rotor_at(omega),
+        rotor=stage.rotor,
         forces=forces,
         tips=blade_means(stage.blade),
         static=static,
-        has_centre=stage.part.centre_dofs is not None,
+        has_centre=stage.has_centre,
     )
+
+
+def check_forced(stage: Stage) -> None:
+    """Check that linear equations under engine-order forces do not depend on time.
+
+    Raises:
+        UserError: they do, or the case selects modes.
+    """
+    if stage.rotor.anisotropy:
+        raise UserError("response: expected equal shaft springs")
+    if stage.case.coupling.stiffness:
+        raise UserError("response: not allowed with springs between bladed disk and casing")
+    if (modes := stage.case.reduction.modes) != ALL:
+        raise UserError(f'reduction.modes = "{modes}": expected "{ALL}"')
 
 
 def orders_of(loads: Iterable[EngineOrder]) -> list[int]:

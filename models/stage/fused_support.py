@@ -30,15 +30,12 @@ def with_fused_support(stage: Stage, problem: ContactProblem) -> ContactProblem:
     Raises:
         CaseError: the support fuses at the start.
     """
-    shaft, disk = stage.case.shaft, stage.disk
+    shaft = stage.case.shaft
     if shaft.fuse_force is None:
         return problem
     assert shaft.fused_stiffness is not None
-    place = np.zeros(2)
-    if disk.rotates:
-        place = disk.structure.static_displacement(disk.speed)[disk.centre]
     before, after = np.array(shaft.stiffnesses), np.full(2, shaft.fused_stiffness)
-    fused = with_fuse(problem, before, after, place, shaft.fuse_force)
+    fused = with_fuse(problem, before, after, stage.steady_centre, shaft.fuse_force)
     assert fused.fuse is not None
     start = fused.fuse.constant + fused.fuse.force @ problem.start.rotor
     if not np.hypot(*start) < shaft.fuse_force:

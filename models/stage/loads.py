@@ -1,102 +1,53 @@
-"""Loads and initial state of a stage of beams in modal coordinates.
+"""Loads of all imbalances of a stage together, and its initial state in modal coordinates.
 
-Loads on the rotor are in rotating axes, which coincide with the static axes at t = 0. Loads on the
-casing are in static axes.
+The initial state is in rotating axes, which coincide with the static axes at t = 0.
 """
 
-from collections.abc import Iterable
-from functools import partial
+from typing import Literal
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import unit
 from bladewhirl.models.case.excitation import Imbalance
-from bladewhirl.models.rotation.at_speed import tip_answer, tip_recess
-from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
-from bladewhirl.models.stage.engine_order import engine_order_forces
-from bladewhirl.models.stage.excitations import (
-    LoadedStage,
-    X,
-    Y,
-    closing_unbalance,
-    direction,
-    loads_on,
-)
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.contact_problem import Start
+from bladewhirl.models.stage.excitations import direction, unbalance_of
 from bladewhirl.models.stage.stage import Stage
 
-
-def excitation_loads(stage: Stage) -> tuple[Load, ...]:
-    """Return the loads of all excitations of a case; none if they are zero.
-
-    Raises:
-        CaseError: the casing has no radial mode of the required nodal diameter, or the forces have
-            no place on the blades.
-    """
-    return loads_on(
-        LoadedStage(
-            case=stage.case,
-            speed=stage.speed,
-            varies=stage.case.march.varies,
-            centre=stage.rotor.centre,
-            rest=np.zeros(len(stage.rotor.frequency)),
-            ring=stage,
-            blade_angle=stage.rotor.tip_angle,
-            unbalance=partial(_unbalance, stage),
-            forces_of_order=partial(engine_order_forces, stage),
-        )
-    )
+RANK, SAME = 1e-10, 1e-6
+"""Flexibilities below the first fraction of the largest count as zero; the initial motion may have
+errors up to the second fraction."""
 
 
 def unbalance(stage: Stage) -> float:
     """Return the unbalance m e of an imbalance [kg m], or that of the sum of their forces if there
-    are several.
-
-    If ``clearance_speed`` is given, the unbalance is such that the static response to m e Omega^2
-    at that speed just brings a tip to the casing where the clearance is smallest. With two equal
-    springs at the centre and blades of equal length, this force is the stiffness times the
-    clearance at rest. With rotation effects, blades also bend, and the stiffness at speed is used.
+    are several; see `unbalance_of`.
 
     Raises:
         ValueError: the case has no imbalance.
     """
+    return float(np.hypot(*_unbalance_vector(stage)))
+
+
+def unbalance_direction(stage: Stage) -> FloatArray:
+    """Return the direction of the sum of the imbalances in rotating axes, (2,).
+
+    Raises:
+        ValueError: the case has no imbalance.
+    """
+    return unit(_unbalance_vector(stage))
+
+
+def _unbalance_vector(stage: Stage) -> FloatArray:
+    """Return the sum of the imbalances in rotating axes [kg m], (2,)."""
     loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
     if not loads:
         raise ValueError('expected excitation.type = "imbalance"')
-    return float(np.hypot(*_unbalance_vector(stage, loads)))
-
-
-def _unbalance_vector(stage: Stage, loads: Iterable[Imbalance]) -> FloatArray:
-    """Return the sum of unbalances in rotating axes [kg m], (2,)."""
-    angle = stage.rotor.tip_angle
-    vectors = [_unbalance(stage, load) * direction(load, angle) for load in loads]
+    angle = stage.blade_angle.ravel()
+    vectors = [unbalance_of(load, stage) * direction(load, angle) for load in loads]
     return np.asarray(np.sum(vectors, axis=0))
-
-
-def _unbalance(stage: Stage, load: Imbalance) -> float:
-    size = load.size(stage.reference_frequency)
-    if size is not None:
-        return size
-    assert load.clearance_speed is not None  # a case has one key for the unbalance
-    speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
-    return unbalance_to_touch(stage, speed, direction(load, stage.rotor.tip_angle))
-
-
-def unbalance_to_touch(stage: Stage, speed: float, along: FloatArray | None = None) -> float:
-    """Return the unbalance whose static response at a speed [rad/s] just brings a tip to the casing
-    [kg m], see `closing_unbalance`. Its direction (2,) is by default that of the imbalances of the
-    case."""
-    rotor = stage.rotor
-    if along is None:
-        loads = [load for load in stage.case.excitations.values() if isinstance(load, Imbalance)]
-        along = unit(_unbalance_vector(stage, loads))
-    if not stage.disk.rotates:
-        outward = rotor.tip_radial @ ((along @ rotor.centre) / rotor.stiffness)
-    else:
-        outward = sum(along[axis] * tip_answer(stage.disk, axis, speed) for axis in (X, Y))
-    recess = tip_recess(stage.case, stage.disk, speed)
-    gap = stage.reduced_casing.clearance[:, 0].min() + recess
-    return closing_unbalance(outward, gap, speed)
 
 
 def imbalance_force(stage: Stage) -> float:
@@ -105,38 +56,62 @@ def imbalance_force(stage: Stage) -> float:
 
 
 def initial_state(stage: Stage) -> Start:
-    """Return the initial state from the initial displacements and velocities of a case.
+    """Return the initial state in all modes from the initial displacements and velocities of a
+    case.
 
     The case gives displacements and velocities of tips and centre in rotating axes; the velocities
     are relative to these axes, without the transport velocity Omega x r. Between tips and centre,
-    the bladed disk has its static shape: in Craig-Bampton coordinates every fixed-interface
-    coordinate is zero. This is the field with the least strain energy for these values at tips and
-    centre. The casing starts at rest.
+    the bladed disk has its static shape, the field with the least strain energy for these values.
+    The casing starts at rest.
+
+    Raises:
+        CaseError: the modes cannot move in this way, or one of them is rigid.
     """
-    initial = stage.case.initial
-    values = (
-        boundary_values(stage, initial.tip_displacement, initial.centre_displacement),
-        boundary_values(stage, initial.tip_velocity, initial.centre_velocity),
+    return Start.of_rotor(
+        _static_shape(stage, "displacement"),
+        _static_shape(stage, "velocity"),
+        len(stage.reduced_casing.frequency),
     )
-    rotor, velocity = (_static_shape(stage.rotor, each) for each in values)
-    return Start.of_rotor(rotor, velocity, len(stage.reduced_casing.frequency))
 
 
-def boundary_values(
-    stage: Stage, tips: tuple[tuple[float, float], ...] | None, centre: tuple[float, float]
-) -> FloatArray:
-    """Return the values of the boundary DoF in one array: radial values of all tips, tangential
-    values of all tips (zero if None), and x and y of the centre, (2 blades + 2,)."""
-    blades = len(stage.rotor.tip_angle)
-    radial, tangential = np.array(tips or [(0.0, 0.0)] * blades).T
-    return np.concatenate([radial, tangential, centre])
+def blade_means(blade: IntArray) -> FloatArray:
+    """Return the matrix from values at the contact nodes to their means on each blade of a copy,
+    (blades, nodes).
+
+    Args:
+        blade: blade of each contact node of a copy, (nodes,).
+    """
+    member = (blade == np.arange(int(blade.max()) + 1)[:, None]).astype(float)
+    return np.asarray(member / member.sum(axis=1, keepdims=True))
 
 
-def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
-    """Return the modal coordinates of least strain energy for a given motion of tips and centre;
-    `values` are in the order of `boundary_values`."""
-    rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
-    free = np.any(rows != 0.0, axis=1)  # a clamped centre has no coordinates
-    flexible = rows[free] / rotor.stiffness
-    forces = np.linalg.solve(flexible @ rows[free].T, values[free])
-    return np.asarray(flexible.T @ forces)
+def _static_shape(stage: Stage, key: Literal["displacement", "velocity"]) -> FloatArray:
+    """Return the modal coordinates of least strain energy for the initial motion of the tips and of
+    the centre, (modes,). The motion of a tip is the mean of the contact nodes of a blade."""
+    case, rotor, initial = stage.case, stage.rotor, stage.case.initial
+    tips, centre = getattr(initial, f"tip_{key}"), getattr(initial, f"centre_{key}")
+    if tips is None and not any(centre):
+        return stage.rotor_rest
+    name = f"initial.{'centre' if tips is None else 'tip'}_{key}"
+    stiffness = rotor.by_copy(rotor.stiffness)[0]
+    if np.abs(stiffness).min() <= RANK**2 * np.abs(stiffness).max():
+        expected = "not allowed for a bladed disk with rigid modes; remove this key"
+        raise CaseError([case_fault(case, name, expected)])
+    means = blade_means(stage.blade)
+    rows = np.stack([means @ rotor.tip_radial, means @ rotor.tip_tangential], axis=1)
+    rows = rows.reshape(-1, len(stiffness))
+    values = np.zeros((rotor.copies, len(rows)))
+    if tips is not None:
+        values = np.reshape(tips, values.shape)
+    if rotor.centre.any():
+        rows = np.vstack([rows, rotor.centre[:, : len(stiffness)]])
+        values = np.column_stack([values, np.tile(centre, (rotor.copies, 1))])
+    flexible = rows / stiffness
+    forces = np.linalg.lstsq(flexible @ rows.T, values.T, rcond=RANK)[0]
+    moved = np.asarray(forces.T @ flexible)
+    if np.abs(moved @ rows.T - values).max() > SAME * np.abs(values).max():
+        expected = (
+            'a motion that the modes can have; use more modes, or reduction.boundary = "consistent"'
+        )
+        raise CaseError([case_fault(case, name, expected)])
+    return moved.ravel()

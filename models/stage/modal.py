@@ -9,9 +9,9 @@ from bladewhirl.models.modal.modal_model import FAMILIES, ModalModel
 from bladewhirl.models.shaft_line.line import refuse_line
 
 if TYPE_CHECKING:
-    from bladewhirl.models.stage.marched import Marchable
+    from bladewhirl.models.stage.build import Buildable
 
-Modelled: TypeAlias = "Marchable | ModalModel"  #: what `modal_model` accepts
+Modelled: TypeAlias = "Buildable | ModalModel"  #: what `modal_model` accepts
 
 
 def modal_model(

@@ -19,7 +19,6 @@ from bladewhirl.models.modal.labels import (
     LabelledModes,
     modes_of_blocks,
     named_at_speed,
-    no_modes,
     wave_families,
 )
 from bladewhirl.models.modal.modal_model import (
@@ -33,8 +32,9 @@ from bladewhirl.models.modal.tip_motion import tip_motion
 from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.modal.whirl_modes import WhirlModes, joined_modes, wave_modes
 from bladewhirl.models.rotation.unequal_bearings import on_unequal_bearings
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
-from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.superelement_structure import (
     on_springs,
     structure_of,
@@ -66,7 +66,7 @@ FEWEST = 4  #: number of modes of each nodal diameter that are computed first wh
 class ModalSuperelement(ModalModel):
     """A superelement, or its copies, and the casing in their modes."""
 
-    stage: SuperelementStage  #: the structure at rest
+    stage: Matrices  #: the structure at rest
     families: int  #: number of families
     count: int | None  #: number of modes to list; all if None
     highest: float  #: highest speed for which the blocks are made [rad/s]
@@ -156,7 +156,7 @@ class ModalSuperelement(ModalModel):
             field = sine * (self.blocks[k].points @ amplitudes[mode])
             wave = self._around(k, field)
             displacement.append(wave.conj() if ahead[mode] else wave)
-        turn, arrays = self._table.angle, self.stage.arrays
+        turn, arrays = self._table.angle, self.stage.shown_arrays
         moved = np.array(displacement, dtype=np.complex128).reshape(-1, *part.points.shape)
         return PointShapes(
             position=rotate(part.points, turn),
@@ -350,14 +350,14 @@ def modal_superelement(
     still = without_rotation(case)
     if _is_of_equal_sectors(case) and count is not None:
         still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
-    stage = superelement_stage(still)
+    stage = build_matrices(still)
     if case.rotation.effects != "none":
         highest = max(highest, abs(case.march.speed.rad_per_s(stage.reference_frequency)))
     return ModalSuperelement(
         case=case,
         reference_frequency=stage.reference_frequency,
-        casing=None if stage.ring is None else stage.ring.casing,
-        casing_modes=no_modes() if stage.ring is None else stage.ring.casing_modes,
+        casing=stage.casing if stage.reduced_casing.is_flexible else None,
+        casing_modes=stage.casing_modes,
         stage=stage,
         families=families,
         count=count,
@@ -392,7 +392,7 @@ def _blocks(model: ModalSuperelement) -> tuple[Blocks, Blocks | None]:
     if table.kind == "blade":
         return blade_blocks(part, table.copies, each + further, highest), None
     if case.bladed_disk.mistuning.is_given(table.copies) and table.kind == "sector":
-        return {UNKNOWN: block_of(superelement_stage(case).reduced)}, None
+        return {UNKNOWN: block_of(build_matrices(case).reduced)}, None
     if equal and count is not None:
         return _lowest_blocks(stage.case, stage.given, count, further, highest), None
     if table.kind == "sector":

@@ -33,8 +33,7 @@ class Ring:
     @property
     def wall_angle(self) -> FloatArray:
         """Angles at which the clearance is given [rad], (angles,)."""
-        wall = self.reduced_casing
-        return self.casing.mesh.angles if wall.is_flexible else wall.angle
+        return self.reduced_casing.angle
 
     def wall_arrays(self, modes: IntArray) -> dict[str, Any]:
         """Return the arrays of the casing in a result by name, with chosen modes."""

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from bladewhirl.meshes.line_mesh import IntArray
     from bladewhirl.models.case.case import Case
-    from bladewhirl.models.stage.stage import Stage
-    from bladewhirl.models.stage.superelement_stage import SuperelementStage
+    from bladewhirl.models.stage.beams import Beams
+    from bladewhirl.models.stage.matrices import Matrices
 
 RATES = (
     Column("name", " "),
@@ -128,7 +128,8 @@ def show(
         png: Draw the stage: parts, sets, springs, supports.
         output: File of the drawing; by default the name of the case with .png.
     """
-    from bladewhirl.models.stage.marched import marched_stage
+    from bladewhirl.models.stage.build import build_stage
+    from bladewhirl.models.stage.hints import stage_hints
     from bladewhirl.studies.runs.properties import speed_hint
 
     if output is not None and not png:
@@ -141,11 +142,11 @@ def show(
             emit(*_document(checked, *properties(checked), with_case=with_case), json=json)
             return
         with reduction_bar():
-            stage = marched_stage(checked)
+            stage = build_stage(checked)
         lines = stage.arrays.rotor_line.size > 0
         shown: Callable[[Any], Shown] = _of_beams if lines else _of_superelement
-        derived, tables, node_sets = shown(stage.model)
-        for hint in filter(None, (*stage.hints(), speed_hint(stage.case, stage.speed))):
+        derived, tables, node_sets = shown(stage)
+        for hint in filter(None, (*stage_hints(stage), speed_hint(stage.case, stage.speed))):
             typer.echo(f"Hint: {hint}.", err=True)
         if png:
             from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
@@ -170,7 +171,7 @@ def _document(
     return document, *tables, *full
 
 
-def _of_superelement(stage: SuperelementStage) -> Shown:
+def _of_superelement(stage: Matrices) -> Shown:
     import numpy as np
 
     from bladewhirl.studies.runs.properties import superelement_properties
@@ -184,7 +185,7 @@ def _of_superelement(stage: SuperelementStage) -> Shown:
     return derived, tables, {"contact nodes": np.arange(stage.part.contacts * stage.copies)}
 
 
-def _of_beams(stage: Stage) -> Shown:
+def _of_beams(stage: Beams) -> Shown:
     from bladewhirl.models.stage.build import time_step_faults
     from bladewhirl.studies.runs.properties import MARCHES, stage_properties
 

@@ -22,7 +22,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import CaseError, Fault, UserError, writing
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion, orbit_distance
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
@@ -118,7 +118,7 @@ def default_time_steps(case: Case) -> list[float]:
     Raises:
         CaseError: all errors that prevent time integration of the case.
     """
-    limit = contact_problem(build_stage(case)).critical_time_step
+    limit = contact_problem(build_beams(case)).critical_time_step
     steps = [scale * case.march.time_step for scale in REFINEMENTS]
     ratios = [case.march.record_step / step for step in steps]
     return [
@@ -134,7 +134,7 @@ def default_modes(case: Case) -> list[int]:
     Raises:
         CaseError: the bladed disk has too few degrees of freedom for at least two of these numbers.
     """
-    stage = build_stage(case)
+    stage = build_beams(case)
     inner = stage.disk.structure.size - sum(map(len, stage.boundary_sets.values()))
     counts = [count * case.blades for count in SECTORS if count * case.blades <= inner]
     if len(counts) < 2:
@@ -207,7 +207,7 @@ def mode_convergence(
         UserError: a march failed.
     """
     compared = _compared(case, MODES, list(modes), store, progress)
-    stages = [build_stage(with_values(case, {MODES: count})) for count in modes]
+    stages = [build_beams(with_values(case, {MODES: count})) for count in modes]
     data = compared.rename({"refined": "modes"}).assign_coords(
         modes=("modes", np.array(modes), {"long_name": "fixed-interface modes"})
     )

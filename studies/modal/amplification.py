@@ -21,8 +21,13 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.machine import cores
-from bladewhirl.models.stage.blade_stiffness import TunedRotor, drawn_factors, tuned_stage
-from bladewhirl.models.stage.marched import Marchable, marched_stage
+from bladewhirl.models.stage.blade_stiffness import (
+    TunedRotor,
+    drawn_factors,
+    tuned_rotor,
+    without_mistuning,
+)
+from bladewhirl.models.stage.build import Buildable, build_stage
 from bladewhirl.models.superelements.reduction import root_of
 from bladewhirl.postprocess.modal.response import largest_in_period
 from bladewhirl.studies.modal.response import engine_orders, peak_rows, response
@@ -70,7 +75,7 @@ ROWS = (
 
 
 def amplification(
-    case_or_stage: Marchable,
+    case_or_stage: Buildable,
     *,
     draws: int,
     speeds: Sequence[float | str],
@@ -103,7 +108,7 @@ def amplification(
         raise UserError(f"response: draws {draws}: expected at least 1")
     given = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
     factors = drawn_factors(given, draws)
-    stage = marched_stage(tuned_stage(given))
+    stage = build_stage(without_mistuning(given), blades=True)
     reference, loads = stage.reference_frequency, engine_orders(stage.case)
     if any(0 in load.order for load in loads):
         raise UserError("response: draws: expected engine orders of 1 or more; order 0 is static")
@@ -118,7 +123,7 @@ def amplification(
             )
     found = []
     for number, row in enumerate(rows):
-        tuned = stage.tuned_rotor(loads, row["speed"] * reference)
+        tuned = tuned_rotor(stage, loads, row["speed"] * reference)
         pattern = _Patterns(tuned, row["order"], equal["speed"].values * reference)
         with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(cores()) as pool:
             for done, one in enumerate(pool.map(pattern.largest, factors - 1.0), 1):

@@ -13,8 +13,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.stage.forced import ForcedRotor, Resonances, orders_of
-from bladewhirl.models.stage.marched import Marchable, marched_stage
+from bladewhirl.models.stage.build import Buildable, build_stage
+from bladewhirl.models.stage.forced import ForcedRotor, Resonances, forced, orders_of
 from bladewhirl.postprocess.modal.response import (
     amplitude,
     at_peaks,
@@ -47,7 +47,7 @@ PEAKS = (
 
 
 def response(
-    case_or_stage: Marchable,
+    case_or_stage: Buildable,
     *,
     speeds: Sequence[float | str] | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -84,7 +84,7 @@ def response(
         UserError: no excitation is of engine order; the case selects modes; or the equations
             depend on time because of unequal shaft springs or springs to the casing.
     """
-    stage = marched_stage(case_or_stage)
+    stage = build_stage(case_or_stage)
     given = [stage.case.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("response: speeds []: expected at least one speed")
@@ -94,7 +94,7 @@ def response(
     orders, omegas = orders_of(loads), [multiple * reference for multiple in multiples]
     answers: list[list[dict[str, ComplexArray]]] = []
     near: dict[int, list[Resonances]] = {order: [] for order in orders}
-    for done, disk in enumerate(stage.forced(loads, omegas), 1):
+    for done, disk in enumerate(forced(stage, loads, omegas), 1):
         omega = omegas[done - 1]
         answers.append([disk.motion(order, omega) for order in orders])
         for order in orders:
@@ -103,7 +103,7 @@ def response(
             progress(done, len(multiples))
 
     def at(omega: float) -> ForcedRotor:
-        (disk,) = stage.forced(loads, [omega])
+        (disk,) = forced(stage, loads, [omega])
         return disk
 
     def height(order: int, omega: float) -> float:

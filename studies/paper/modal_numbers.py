@@ -8,7 +8,7 @@ import scipy.linalg as la
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.cyclic import wave_shares
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.convergence.study import FAMILIES
 from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
@@ -34,7 +34,7 @@ def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
         UserError: the stage lacks some of the modes.
     """
     diagrams = veering(stage, families=SHOWN_FAMILIES)
-    reduced = build_stage(case)
+    reduced = build_beams(case)
     coincidences = campbell(stage, families=2, operating=OPERATING)["normalised_speed"]
     met: dict[tuple[str, int], float] = {}
     for (family, _, k), speed in zip(

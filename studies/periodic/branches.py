@@ -15,8 +15,9 @@ from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.marched import MarchedStage, marched_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.periodic.branch import plot_branch
 from bladewhirl.postprocess.periodic.dataset import (
     BRANCH_NAME,
@@ -141,7 +142,7 @@ class Family:
         self._blade, self._periods = blade, periods
         first, width = parameter.start, parameter.stop - parameter.start
         sampled = [self._stage(first + share * width) for share in (0.0, 1.0, *SPLIT)]
-        self._samples = [stage.contact_problem() for stage in sampled]
+        self._samples = [contact_problem(stage) for stage in sampled]
         start, stop, *middle = (self._built(stage) for stage in sampled)
         self._ends = start, stop
         self._linear = comparable(start, stop) and all(
@@ -153,11 +154,11 @@ class Family:
         if start.speed * stop.speed <= 0.0:
             raise UserError(f"{OVER} {parameter.key}: expected a range without the speed 0")
 
-    def _stage(self, value: float) -> MarchedStage:
+    def _stage(self, value: float) -> Stage:
         """Return the stage of the case at a value of the parameter."""
-        return nodes_of(marched_stage(self._parameter.case(self._case, value)), self._blade)
+        return nodes_of(build_stage(self._parameter.case(self._case, value)), self._blade)
 
-    def _built(self, stage: MarchedStage) -> Blade:
+    def _built(self, stage: Stage) -> Blade:
         """Return the blade of a stage, with the period and the unknowns of the whole range."""
         return blade_of(stage, self._blade, self._periods, self._samples)
 

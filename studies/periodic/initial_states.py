@@ -13,8 +13,9 @@ from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, Start
-from bladewhirl.models.stage.marched import MarchedStage, marched_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.periodic.dataset import BRANCH_NAME, open_branch
 from bladewhirl.solvers.periodic.blade import DIRECTIONS, Blade, Grid, lasts
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
@@ -38,10 +39,10 @@ def check(case: Case) -> None:
     Raises:
         UserError: they cannot; the message has the reason.
     """
-    stage = marched_stage(case)
+    stage = build_stage(case)
     if case.march.varies or case.blade_loss is not None or case.shaft.fuse_force is not None:
         raise UserError("expected a constant speed, and no [blade_loss] and shaft.fuse_force")
-    if not corotating.is_corotating(stage.contact_problem()):
+    if not corotating.is_corotating(contact_problem(stage)):
         blade_of(stage, 0)
 
 
@@ -52,7 +53,7 @@ def follow(case: Case, key: str, values: Sequence[Value], directory: Path) -> No
     Nothing is written if there is no branch: without contact, with contact that is constant in
     rotating axes, or if no motion is found at the smallest value.
     """
-    if corotating.is_corotating(marched_stage(case).contact_problem()):
+    if corotating.is_corotating(contact_problem(build_stage(case))):
         return
     ends = sorted(values, key=_number)
     try:
@@ -65,7 +66,7 @@ def follow(case: Case, key: str, values: Sequence[Value], directory: Path) -> No
 
 
 def start_of(
-    stage: MarchedStage, directory: Path | None = None, value: Value | None = None
+    stage: Stage, directory: Path | None = None, value: Value | None = None
 ) -> tuple[Start, float] | None:
     """Return a periodic motion of a stage at t = 0, and its impulse per revolution [N s].
 
@@ -79,7 +80,7 @@ def start_of(
         start and impulse; None if no motion was found. Without a branch the motion is that of the
         search of `bladewhirl.periodic`, which can be one without contact.
     """
-    problem = stage.contact_problem()
+    problem = contact_problem(stage)
     try:
         if corotating.is_corotating(problem):
             return of_corotating(problem, corotating_contact(problem))
@@ -95,14 +96,14 @@ def _number(value: Value) -> float:
     return float(match[1])
 
 
-def of_blades(stage: MarchedStage, motion: Motion, number: int = 0) -> tuple[Start, float]:
+def of_blades(stage: Stage, motion: Motion, number: int = 0) -> tuple[Start, float]:
     """Return start and impulse of the 3D blades of a stage, of which one has a motion, by its
     number; in a flexible casing the others follow it.
 
     Raises:
         NotConverged: no motion of another blade was found.
     """
-    problem, first = stage.contact_problem(), motion.grid.blade
+    problem, first = contact_problem(stage), motion.grid.blade
     rotor = problem.rotor
     angle = rotor.by_copy(rotor.tip_angle)[:, 0]
     states, impulse = [], 0.0

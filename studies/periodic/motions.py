@@ -13,9 +13,10 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.stage.build import Buildable, build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.corotating import obstacles
@@ -66,7 +67,7 @@ class Solution:
 
 
 def periodic(
-    case_or_stage: Marchable,
+    case_or_stage: Buildable,
     *,
     speeds: Sequence[float | str] | None = None,
     blade: int = 0,
@@ -128,9 +129,9 @@ def periodic(
     solutions, constant, failures, reference = [], [], [], 1.0
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
-        at_speed = marched_stage(with_values(stage, {"march.speed": speed.given}))
+        at_speed = build_stage(with_values(stage, {"march.speed": speed.given}))
         reference = at_speed.reference_frequency
-        problem = at_speed.contact_problem(steps=False)
+        problem = contact_problem(at_speed, steps=False)
         rests = corotating.is_corotating(problem)
         structure = None if rests else blade_of(at_speed, blade, periods)
         try:
@@ -152,7 +153,7 @@ def periodic(
     return data.assign_attrs(failures="\n".join(failures))
 
 
-def nodes_of(stage: MarchedStage, blade: int) -> MarchedStage:
+def nodes_of(stage: Stage, blade: int) -> Stage:
     """Return a stage whose blade with a number is a superelement of its own.
 
     Raises:
@@ -165,7 +166,7 @@ def nodes_of(stage: MarchedStage, blade: int) -> MarchedStage:
     if table is not None:
         expected = f'bladed_disk.superelement.kind = "blade", found "{table.kind}"'
     if table is None or table.kind != "blade":
-        problem = stage.contact_problem(steps=False)
+        problem = contact_problem(stage, steps=False)
         reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")
         raise UserError(
             f"periodic: {reason}, so that contact is not constant in rotating axes; other motions"
@@ -188,7 +189,7 @@ def blade_of(
     if not 1 <= periods <= MOST_PERIODS:
         raise UserError(f"periodic: periods {periods}: expected from 1 to {MOST_PERIODS}")
     try:
-        problem = nodes_of(stage, blade).contact_problem()
+        problem = contact_problem(nodes_of(stage, blade))
         structure = Blade.of_problem(problem, blade, others)
     except ValueError as reason:
         raise UserError(f"periodic: {reason}") from None

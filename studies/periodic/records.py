@@ -9,9 +9,10 @@ from bladewhirl.files import claim
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import NEVER, Start
-from bladewhirl.models.stage.marched import MarchedStage, marched_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.solvers.periodic.blade import Grid
@@ -58,7 +59,7 @@ def record_motion(
     one, folder = data.isel(speed=0), Path(directory)
     speed = f"{float(one['rpm'])!r} rpm"
     own = with_values(case, {"march.speed": speed})
-    stage = marched_stage(own)
+    stage = build_stage(own)
     turns = 1
     if "multipliers" in one:
         turn = 2.0 * np.pi / abs(stage.speed)
@@ -75,7 +76,7 @@ def record_motion(
     records = int(np.ceil(turns * 2.0 * np.pi / abs(stage.speed) / (every * step)))
     times = {"march.record_step": every * step, "march.duration": records * every * step}
     own = with_values(own, times)
-    stage = marched_stage(own)
+    stage = build_stage(own)
     start = _start(stage, data)
     prepared = prepare(stage, lambda problem, timing: (begun(problem, start), timing))
     with writing(folder):
@@ -87,13 +88,13 @@ def record_motion(
     return folder / RESULT_NAME
 
 
-def _start(stage: MarchedStage, data: xr.Dataset) -> Start:
+def _start(stage: Stage, data: xr.Dataset) -> Start:
     """Return the start of a march on the motion of a Dataset.
 
     Raises:
         UserError: the motion is not one of the stage.
     """
-    problem, one = stage.contact_problem(), data.isel(speed=0)
+    problem, one = contact_problem(stage), data.isel(speed=0)
     try:
         if corotating.is_corotating(problem):
             return of_corotating(problem, corotating_contact(problem))[0]

@@ -7,11 +7,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from bladewhirl.models.elements.build import numbers_within_reach
-from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.stage.build import Buildable, build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.marched import Marchable, MarchedStage, marched_stage
 from bladewhirl.models.stage.mass_scaling import screening_problem
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.march.checkpoint import state_arrays
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
@@ -27,14 +28,14 @@ DataT = TypeVar("DataT")
 class Prepared:
     """A case that is ready to march, with all checks passed."""
 
-    stage: MarchedStage
+    stage: Stage
     problem: ContactProblem
     timing: Timing
     scheme: Scheme[Any]
     stop: FreeMotion | None = None  #: rule by which the march ends early; None: no early end
 
 
-def prepare(given: Marchable, change: Change | None = None) -> Prepared:
+def prepare(given: Buildable, change: Change | None = None) -> Prepared:
     """Prepare the time integration of a case or its stage: check it, and factorise the matrices.
 
     Args:
@@ -45,7 +46,7 @@ def prepare(given: Marchable, change: Change | None = None) -> Prepared:
         CaseError: all errors that prevent time integration, see `problem_of`.
         UserError: raised by `change` or `problem_of`.
     """
-    stage = marched_stage(given)
+    stage = build_stage(given)
     case, problem, timing = stage.case, problem_of(stage), stage.case.march.timing
     if change is not None:
         problem, timing = change(problem, timing)
@@ -79,15 +80,12 @@ def screened(problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, T
         raise UserError(f"--screen: expected {error}") from None
 
 
-def problem_of(stage: MarchedStage) -> ContactProblem:
-    """Return the contact problem of a stage, see `MarchedStage.contact_problem`.
+def problem_of(stage: Stage) -> ContactProblem:
+    """Return the contact problem of a stage, see `build.contact_problem`.
 
     Raises:
         CaseError: all errors that prevent time integration.
         UserError: a number is not finite.
     """
     _finite(stage.arrays)
-    problem = _finite(stage.contact_problem())
-    if faults := list(stage.faults(problem)):
-        raise CaseError(faults)
-    return problem
+    return _finite(contact_problem(stage))

@@ -13,14 +13,12 @@ from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.modes import ModeTable
 from bladewhirl.models.stage.basis_error import basis_error
-from bladewhirl.models.stage.build import marched_bodies
-from bladewhirl.models.stage.coating import wall_coating
+from bladewhirl.models.stage.beams import Beams
+from bladewhirl.models.stage.build import steady_problem
 from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
-from bladewhirl.models.stage.excitations import radial_mode
-from bladewhirl.models.stage.hints import locking_friction, static_response
-from bladewhirl.models.stage.loads import imbalance_force, unbalance, unbalance_to_touch
-from bladewhirl.models.stage.stage import Stage
-from bladewhirl.models.stage.superelement_stage import SuperelementStage
+from bladewhirl.models.stage.excitations import radial_mode, unbalance_to_touch
+from bladewhirl.models.stage.loads import imbalance_force, unbalance, unbalance_direction
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.march.recorder import result_bytes
 
 TURN = 2.0 * np.pi
@@ -53,7 +51,7 @@ def speed_hint(case: Case, speed: float) -> str:
     return f"the speed varies; values at one speed are those at {rpm:.6g} rpm, {which}"
 
 
-def stage_properties(stage: Stage) -> dict[str, Any]:
+def stage_properties(stage: Beams) -> dict[str, Any]:
     """Compute masses, frequencies, time step, loads and sizes of a stage, as a JSON document.
 
     Missing values are None: values of shaft springs if the centre is clamped, and values of loads
@@ -65,9 +63,9 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
     case, modes = stage.case, stage.reduction.modes
     with numbers_within_reach(case):
         pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
-        rotor, casing = marched_bodies(stage)
+        rotor, casing = stage.bodies
         critical = critical_time_step(rotor, casing, stage.kept.springs)
-        timing, coating = case.march.timing, wall_coating(stage)
+        timing, coating = case.march.timing, stage.coating
         return {
             "bladed_disk_mass": stage.disk.model.mass,  # kg
             "bladed_disk_parts": stage.disk.model.part_masses,  # beams by part, point masses [kg]
@@ -114,7 +112,7 @@ def _coating(coating: WallCoating | None) -> dict[str, float] | None:
     }
 
 
-def _reduction(stage: Stage) -> dict[str, Any]:
+def _reduction(stage: Beams) -> dict[str, Any]:
     """Return size and accuracy of the Craig-Bampton reduction of the bladed disk."""
     boundary = {name: len(dofs) for name, dofs in stage.boundary_sets.items()}
     return {
@@ -129,7 +127,7 @@ def _reduction(stage: Stage) -> dict[str, Any]:
     }
 
 
-def _rate(stage: Stage, rad_per_s: float) -> Rate:
+def _rate(stage: Beams, rad_per_s: float) -> Rate:
     return {
         "rad_per_s": float(rad_per_s),
         "hz": float(rad_per_s / TURN),
@@ -138,7 +136,7 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
     }
 
 
-def _lowest_of_disk(stage: Stage) -> list[Mode]:
+def _lowest_of_disk(stage: Beams) -> list[Mode]:
     """Return the lowest modes of the full model. If sectors differ, nodal diameters and purities
     are taken from the modes of the reduced model."""
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
@@ -148,7 +146,7 @@ def _lowest_of_disk(stage: Stage) -> list[Mode]:
     return _modes(stage, modes, range(min(LOWEST, modes.count, len(lowest))), lowest)
 
 
-def _lowest_of_casing(stage: Stage) -> list[Mode]:
+def _lowest_of_casing(stage: Beams) -> list[Mode]:
     modes = stage.casing_modes  # in ascending order
     if not modes.count:
         return []
@@ -158,7 +156,7 @@ def _lowest_of_casing(stage: Stage) -> list[Mode]:
 
 
 def _modes(
-    stage: Stage, modes: ModeTable, numbers: Iterable[int], frequencies: FloatArray
+    stage: Beams, modes: ModeTable, numbers: Iterable[int], frequencies: FloatArray
 ) -> list[Mode]:
     """Return modes by number, with their frequencies [rad/s]."""
     return [
@@ -167,11 +165,11 @@ def _modes(
     ]
 
 
-def _mode(stage: Stage, k: int, frequency: float, purity: float) -> Mode:
+def _mode(stage: Beams, k: int, frequency: float, purity: float) -> Mode:
     return {"nodal_diameter": k, "frequency": _rate(stage, frequency), "purity": purity}
 
 
-def _imbalance(stage: Stage) -> dict[str, float] | None:
+def _imbalance(stage: Beams) -> dict[str, float] | None:
     """Return size, force and effect of the imbalance at the speed of the case, if any."""
     loads = stage.case.excitations.values()
     if not any(isinstance(load, Imbalance) for load in loads):
@@ -181,11 +179,11 @@ def _imbalance(stage: Stage) -> dict[str, float] | None:
         "unbalance": size,  # m e [kg m]
         "force": imbalance_force(stage),  # m e Omega^2 [N]
         # The share of the clearance closed by the static response, at the nearest tip.
-        "closing": size / unbalance_to_touch(stage, stage.speed),
+        "closing": size / unbalance_to_touch(stage, stage.speed, unbalance_direction(stage)),
     }
 
 
-def _distortion(stage: Stage) -> dict[str, Any] | None:
+def _distortion(stage: Beams) -> dict[str, Any] | None:
     """Return the frequency of the loaded casing mode and its largest radial displacement under the
     static load [m], for the first casing distortion; None without a casing distortion, or if the
     mode has no stiffness."""
@@ -204,9 +202,9 @@ def _distortion(stage: Stage) -> dict[str, Any] | None:
     }
 
 
-def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
+def superelement_properties(stage: Matrices) -> dict[str, Any]:
     """Return properties of the stage of a superelement, for JSON."""
-    problem, timing, speed = stage.problem, stage.case.march.timing, stage.speed
+    problem, timing, speed = steady_problem(stage), stage.case.march.timing, stage.speed
     reference, limit, layer = stage.reference_frequency, problem.critical_time_step, problem.coating
     coating: dict[str, Any] = {}
     if layer is not None:
@@ -234,10 +232,10 @@ def superelement_properties(stage: SuperelementStage) -> dict[str, Any]:
     }
 
 
-def _nodes(stage: SuperelementStage) -> Iterator[dict[str, Any]]:
+def _nodes(stage: Matrices) -> Iterator[dict[str, Any]]:
     part, residual = stage.part, np.diag(stage.reduced.compliance)
-    radial, _ = static_response(stage)
-    locking = locking_friction(stage)
+    radial, _ = stage.static_response()
+    locking = stage.locking_friction()
     for node in range(part.contacts):
         yield {
             "node": node,

@@ -20,7 +20,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
-from bladewhirl.models.stage.marched import MarchedStage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
 from bladewhirl.studies.sweeps.starts import begun
 
@@ -49,11 +49,11 @@ CARRY_RULE = (
 COMPLETED = flag("end_reason", "completed")
 
 
-def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
+def late_state(stage: Stage, result: xr.Dataset) -> Start:
     """Return the motion of a result that is carried to the next speed, see `CARRY_RULE`.
 
     The modes of the bladed disk can depend on the speed; the motion of beams is therefore given on
-    the free degrees of freedom, see `MarchedStage.fields`.
+    the free degrees of freedom, see `Stage.fields`.
     """
     time = result["time"].values
     late = np.flatnonzero(time >= (1.0 - LATE_SHARE) * time[-1])[::-1]
@@ -73,7 +73,7 @@ def late_state(stage: MarchedStage, result: xr.Dataset) -> Start:
     return Start(**motion)
 
 
-def continued(stage: MarchedStage, problem: ContactProblem, state: Start) -> ContactProblem:
+def continued(stage: Stage, problem: ContactProblem, state: Start) -> ContactProblem:
     """Return the contact problem of a march that starts from a state, without ramps of its loads,
     and without loads that end."""
     start = replace(

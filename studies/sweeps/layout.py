@@ -9,7 +9,7 @@ import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.stage.marched import MarchedStage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
 from bladewhirl.solvers.march.recorder import result_bytes
 from bladewhirl.solvers.march.schema import parts_of
@@ -59,7 +59,7 @@ def march_extent(cases: Iterable[Case]) -> Extent:
     return extent
 
 
-def make_layout(extent: Extent, stage: MarchedStage, *, starts: bool = False) -> Layout:
+def make_layout(extent: Extent, stage: Stage, *, starts: bool = False) -> Layout:
     """Return the layout of a sweep whose first point has the given stage.
 
     With `starts` its marches start on periodic motions. The spacing of the frequencies is 1 divided
@@ -82,7 +82,7 @@ def make_layout(extent: Extent, stage: MarchedStage, *, starts: bool = False) ->
     )
 
 
-def history_bytes(extent: Extent, stage: MarchedStage) -> int:
+def history_bytes(extent: Extent, stage: Stage) -> int:
     """Estimate the size of all full histories of a sweep [bytes], assuming that all points have as
     many modes as the first point."""
     return sum(

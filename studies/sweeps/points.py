@@ -20,7 +20,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.marched import MarchedStage, marched_stage
+from bladewhirl.models.stage.build import build_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
@@ -103,7 +104,7 @@ def _varied(text: str) -> Case:
     return loads(text)
 
 
-def stage_at(case: Case) -> MarchedStage:
+def stage_at(case: Case) -> Stage:
     """Return the stage of a case; cases that differ only in load and march use the same models.
 
     With rotation effects the models also depend on the speed.
@@ -122,8 +123,8 @@ def stage_at(case: Case) -> MarchedStage:
 
 
 @lru_cache(maxsize=KEPT_STAGES)
-def _body(case: Case) -> MarchedStage:
-    return marched_stage(case)
+def _body(case: Case) -> Stage:
+    return build_stage(case)
 
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:
@@ -155,7 +156,7 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
     return kept
 
 
-def _change(work: Work, stage: MarchedStage, point: Point) -> tuple[Change | None, Digest]:
+def _change(work: Work, stage: Stage, point: Point) -> tuple[Change | None, Digest]:
     """Return the function that changes the contact problem of a point, None for no change, and the
     data of the sweep on the start of the march."""
     if point.screen:
@@ -172,7 +173,7 @@ def _change(work: Work, stage: MarchedStage, point: Point) -> tuple[Change | Non
     return lambda problem, timing: (continued(stage, problem, state), timing), {}
 
 
-def _keep_state(work: Work, stage: MarchedStage, result: xr.Dataset, point: Point) -> None:
+def _keep_state(work: Work, stage: Stage, result: xr.Dataset, point: Point) -> None:
     """Write the state that is carried to the next speed, unless the march ended early."""
     if point.after is not None and result.attrs["end_reason"] == EndReason.COMPLETED.value:
         write_state(Path(work.states) / point.after, late_state(stage, result))

@@ -11,7 +11,7 @@ import numpy as np
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, Start
-from bladewhirl.models.stage.marched import MarchedStage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import flag
 from bladewhirl.studies.sweeps.axes import Grid, Value
 
@@ -95,7 +95,7 @@ def follow_branches(case: Case, grid: Grid, directory: Path) -> None:
 
 
 def start_of(
-    stage: MarchedStage, branch: Path | None, value: Value | None
+    stage: Stage, branch: Path | None, value: Value | None
 ) -> tuple[Start | None, dict[str, Any]]:
     """Return the periodic motion from which a march starts, None if none was found, and what the
     dataset of a sweep says about it."""

@@ -11,6 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Load,
@@ -18,7 +19,6 @@ from bladewhirl.models.stage.contact_problem import (
     ReducedRotor,
     at_rest,
 )
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.sudden_changes import make_scheme
 
@@ -109,7 +109,7 @@ def ledger_residual(chunk: Chunk) -> float:
 
 def default_stage(changes: Mapping[str, Any]) -> ContactProblem:
     """Return the contact problem of the default case with changes, by dotted key."""
-    return contact_problem(build_stage(with_values(Case(), changes)))
+    return contact_problem(build_beams(with_values(Case(), changes)))
 
 
 class Bar:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bladewhirl.models.stage.build import with_contact_nodes
+from bladewhirl.models.stage.beam_rotor import with_contact_nodes
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (

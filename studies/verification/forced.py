@@ -11,9 +11,9 @@ from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.engine_order import unit_forces
 from bladewhirl.models.stage.mass_scaling import screening_cut, with_scaled_casing
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.response import amplitude, by_nodal_diameter
 from bladewhirl.studies.modal.response import response
 from bladewhirl.studies.verification.bodies import default_stage, marched
@@ -55,7 +55,7 @@ def response_of_full_model() -> Pair:
     """Compare the undamped response of a stage with the response computed from the dynamic
     stiffness of its full model."""
     case = forced(3, damping=0.0, tuned=False)
-    stage = build_stage(case)
+    stage = build_beams(case)
     structure, disk = stage.disk.structure, stage.disk
     assert isinstance(case.excitation, EngineOrder)
     factors = case.excitation.amplitude * np.exp(3j * disk.tip_angles)
@@ -69,7 +69,7 @@ def response_of_full_model() -> Pair:
 @verifies("none", "full")
 def march_with_engine_order(effects: str) -> Pair:
     """Compare the steady motion of the mistuned tips in the march with the response."""
-    stage = build_stage(forced(2, tuned=False, rotation={"effects": effects}))
+    stage = build_beams(forced(2, tuned=False, rotation={"effects": effects}))
     chunk = marched(contact_problem(stage), TIME_STEP, LAST, every=RECORD)
     late = chunk.step >= SETTLED
     phase = 2.0 * stage.speed * chunk.time[late]

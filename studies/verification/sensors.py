@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import case_from
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.beams import Beams
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.studies.verification.case import Pair, verifies
@@ -26,7 +27,7 @@ ANGLE = 0.7  #: angle of the wall sensor [rad]
 
 
 @cache
-def stage() -> Stage:
+def stage() -> Beams:
     """Return a stage with few blades."""
     tables: dict[str, Any] = {
         "bladed_disk": {
@@ -40,7 +41,7 @@ def stage() -> Stage:
         "casing": {"elements": 16},
         "reduction": {"fixed_interface_modes": 20},
     }
-    return build_stage(case_from(tables))
+    return build_beams(case_from(tables))
 
 
 def motion(time: FloatArray, body: str, moved: FloatArray, rate: FloatArray) -> xr.Dataset:

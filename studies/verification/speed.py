@@ -19,9 +19,9 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.fused_support import with_fuse
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.studies.verification.bodies import (
@@ -276,7 +276,7 @@ def place_after_a_loss() -> Pair:
         "march.record_step": 1e-5,
         "blade_loss": {"blade": 4, "time": 0.01},
     }
-    stage = build_stage(with_values(Case(), changes))
+    stage = build_beams(with_values(Case(), changes))
     loss = contact_problem(stage).loss
     assert loss is not None
     rotor = loss.after.rotor

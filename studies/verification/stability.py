@@ -16,8 +16,8 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
@@ -61,7 +61,7 @@ def coupled(ratio: str) -> tuple[ContactProblem, CouplingModes]:
 
 def on_springs(changes: dict[str, Any]) -> tuple[ContactProblem, CoupledEntries]:
     """Return the contact problem of the default case with changes, and its coupled modes."""
-    stage = build_stage(with_values(Case(), changes))
+    stage = build_beams(with_values(Case(), changes))
     assert stage.kept.coupled is not None  # the coupling stiffness is not zero
     return contact_problem(stage), stage.kept.coupled
 

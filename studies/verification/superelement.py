@@ -9,14 +9,14 @@ from typing import Any, cast
 import numpy as np
 
 from bladewhirl.models.case.case import case_from
-from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build import contact_problem, steady_problem
+from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     ReducedCasing,
     ReducedRotor,
 )
-from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement
@@ -199,7 +199,7 @@ def exported(
     shaft = {"clamped": kind != "wheel"}
     reduction: dict[str, Any] = {"fixed_interface_modes": kept}
     given = common | {"bladed_disk": beams, "shaft": shaft, "reduction": reduction}
-    stage = build_stage(case_from(given))
+    stage = build_beams(case_from(given))
     of_beams = contact_problem(stage)
     if kind == "blade":
         reduction = {"fixed_interface_modes": kept // blades}
@@ -213,7 +213,7 @@ def exported(
             "damping": {"boundary_ratio": stage.case.damping.ratio},
             "reduction": reduction | {"boundary": "consistent"},
         }
-        same = superelement_stage(case_from(given)).problem_at(of_beams.speed)
+        same = steady_problem(build_matrices(case_from(given)).at(of_beams.speed))
     dt = stage.case.march.time_step
     chunk, nodes = (marched(one, dt, round(0.05 / dt), every=250) for one in (of_beams, same))
     return of_beams, same, chunk, nodes

@@ -1,7 +1,7 @@
 """Places that ask whether a bladed disk consists of beams or is a superelement.
 
-Features are built for one type of stage, `models/stage/marched.py`. The list below holds what is
-left; it may only become shorter.
+Features are built for one type, `models/stage/stage.py`. The list below holds what is left; it may
+only become shorter.
 """
 
 import re
@@ -11,7 +11,7 @@ from places import ROOT
 
 LAYERS = ("models", "solvers", "postprocess", "studies")
 
-KINDS = "Stage|SuperelementStage|ContactProblem"
+KINDS = "Stage|Beams|Matrices|ContactProblem"
 
 QUESTIONS = re.compile(
     rf"isinstance\([^()]*\b(?:{KINDS})\)"
@@ -19,7 +19,7 @@ QUESTIONS = re.compile(
 )
 
 BUILDERS = {
-    "models/stage/marched.py",
+    "models/stage/build.py",
     "models/stage/modal.py",
     "models/elements/build.py",  # of beams: refuses a superelement
     "models/case/bladed_disk.py",  # the table that has either

@@ -10,8 +10,8 @@ from reference_march import Reference
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState
 from bladewhirl.studies.verification.bodies import (
@@ -119,7 +119,7 @@ def small_problem(**tables: Any) -> ContactProblem:
     }
     case = small | tables
     case["casing"] = {"elements": 12} | case["casing"]
-    return contact_problem(build_stage(Case(**case)))
+    return contact_problem(build_beams(Case(**case)))
 
 
 @cache
@@ -133,7 +133,7 @@ def stage_problem(blades: int = 22, elements: int = 40) -> ContactProblem:
             "reduction": {"fixed_interface_modes": 5 * blades},
         }
     )
-    return contact_problem(build_stage(case))
+    return contact_problem(build_beams(case))
 
 
 def random_problem(

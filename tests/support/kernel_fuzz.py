@@ -26,6 +26,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Foreshortening,
@@ -34,7 +35,6 @@ from bladewhirl.models.stage.contact_problem import (
     WallClosure,
     WallCoating,
 )
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.solvers.kernel import structs
@@ -145,7 +145,7 @@ def cyclic_stage(random: np.random.Generator) -> ContactProblem:
             case["shaft"]["damping_frame"] = "static"
             if speed != "free" and "coupling" not in case:
                 case["shaft"]["stiffness_y"] = 0.7 * stiffness
-    given = contact_problem(build_stage(Case.model_validate(case)))
+    given = contact_problem(build_beams(Case.model_validate(case)))
     return thrown(given, 40.0, spread=0.5)
 
 

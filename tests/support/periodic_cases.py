@@ -8,8 +8,8 @@ from places import ROOT
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion
@@ -32,7 +32,7 @@ def twisted_blade(speed: str, sliding: str, friction: float, closure: str) -> Co
             "march": {"speed": speed, "time_step": "1 us"},
         }
     )
-    return marched_stage(case).contact_problem()
+    return contact_problem(build_stage(case))
 
 
 BLADE = {"superelement": {"file": str(ROOT / "examples" / "twisted_blade.npz")}}

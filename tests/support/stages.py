@@ -9,7 +9,8 @@ from bladewhirl.models.case.file import loads
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import tip_in_sector
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.beams import Beams
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.verification.case import reference as oracle
 from bladewhirl.studies.verification.stages import (
     CASING_REFERENCE,
@@ -60,9 +61,9 @@ SMALL = (
 
 
 @cache
-def stage(*overrides: str) -> Stage:
-    """Stage of the default case with changes as `--set` takes them."""
-    return build_stage(loads("", overrides=overrides))
+def stage(*overrides: str) -> Beams:
+    """Beams of the default case with changes as `--set` takes them."""
+    return build_beams(loads("", overrides=overrides))
 
 
 def translation(disk: BladedDiskModel, x: float, y: float) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bladewhirl.models.case.file import loads
-from bladewhirl.models.stage.marched import MarchedStage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import sweep
@@ -70,7 +70,7 @@ def in_process(*, figures: bool = False) -> Iterator[InProcess]:
         yield made
 
 
-def assert_carried_on(stage: MarchedStage, *names: str) -> None:
+def assert_carried_on(stage: Stage, *names: str) -> None:
     """Assert that a march carried on from another moves as the other did after two revolutions, in
     which the loads repeat themselves."""
     first, _ = march_in_memory(prepare(stage))

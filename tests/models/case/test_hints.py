@@ -12,8 +12,8 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.hints import stage_hints
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.runs.prepare import prepare
 
 
@@ -136,7 +136,7 @@ def fan(*, tips: int, ends: float = 0.5) -> Sketch:
 @pytest.mark.parametrize(("tips", "ends", "free"), [(5, 0.5, 0), (3, 0.5, 2), (3, 0.4, 0)])
 def test_free_blade_ends_outside_the_set_of_tips(tips: int, ends: float, free: int) -> None:
     case = fan(tips=tips, ends=ends).case(reduction={"fixed_interface_modes": 5})
-    lines = stage_hints(build_stage(case))
+    lines = stage_hints(build_beams(case))
     assert len(lines) == (free > 0)
     if free:
         assert lines[0].startswith(
@@ -158,7 +158,7 @@ def test_whirl_fed_by_internal_damping(damper: float, hints: int) -> None:
             "shaft": {"damping": damper, "damping_frame": "static"},
         },
     )
-    stage = build_stage(case)
+    stage = build_beams(case)
     assert stage.rotor.frequency.min() < 0.0
     lines = stage_hints(stage)
     assert len(lines) == hints

@@ -11,7 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.elements.casing import ALONG, OUTWARD, ROTATION, spring, strut
 from bladewhirl.models.modal.labels import structure_modes
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.runs.properties import stage_properties
 
 SECTION = steel(0.01)
@@ -145,7 +145,7 @@ def test_supports_that_repeat_keep_the_cyclic_path() -> None:
 def test_the_stage_knows_its_supports() -> None:
     """Struts of the example, in the arrays that pictures are drawn from."""
     case = read_case(EXAMPLES / "casing_on_struts.toml")
-    stage = build_stage(case)
+    stage = build_beams(case)
     arrays = stage.arrays
     assert list(arrays.support_kind) == ["spring"] * 2 + ["strut"] * 8
     struts = arrays.support_kind == "strut"

@@ -19,7 +19,7 @@ from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.wall import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 
 ELLIPSE = EXAMPLES / "elliptical_clearance.toml"
 
@@ -37,7 +37,7 @@ def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
     exact = 1e-3 + 3e-4 * np.cos(2 * (angle - np.pi / 6)) + 1e-4 * np.cos(3 * angle)
     errors = []
     for elements in (20, 40):
-        problem = contact_problem(build_stage(lobed(elements, *rows)))
+        problem = contact_problem(build_beams(lobed(elements, *rows)))
         errors.append(np.abs(problem.initial_gap() - exact).max())
     assert errors[0] < 1e-6
     assert observed_order(np.array(errors)) == pytest.approx(4.0, abs=0.5)
@@ -47,7 +47,7 @@ def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
 def test_a_tip_touches_first_where_the_clearance_is_smallest() -> None:
     """The force turns with blade 0 and grows by a fifth of the lobes a revolution."""
     case = read_case(ELLIPSE)
-    stage = build_stage(case)
+    stage = build_beams(case)
     given = contact_problem(stage)
     _, chunk, _ = run(given, case.march.time_step, 300_000, every=100)
     assert ledger_residual(chunk) <= 1e-8
@@ -78,11 +78,11 @@ def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:
     rows = [[0.0, 0.0]] * 22
     rows[0] = [0.8e-3, 0.0]
     outward = {"initial": {"tip_displacement": rows}, "reduction": {"fixed_interface_modes": 22}}
-    round_casing = build_stage(case_from(outward))
+    round_casing = build_beams(case_from(outward))
     assert not list(march_faults(round_casing))
     tight = {"lobes": 1, "amplitude": 3e-4, "phase": "180 deg"}
     given = case_from(outward | {"casing": {"clearance_lobes": [tight]}})
-    [fault] = march_faults(build_stage(given))
+    [fault] = march_faults(build_beams(given))
     assert "blade 0 starts 0.0008 m outward, but its clearance is 0.0007 m" in str(fault)
 
 

@@ -7,7 +7,7 @@ from places import EXAMPLES
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.elements.foreshortening import blade_beams, drawback, fewest_terms
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 
 
 @pytest.mark.parametrize(
@@ -20,7 +20,7 @@ from bladewhirl.models.stage.stage import build_stage
     ],
 )
 def test_a_blade_reaches_from_tip_to_root(name: str, root: float, changes: list[str]) -> None:
-    stage = build_stage(read_case(EXAMPLES / f"{name}.toml", changes))
+    stage = build_beams(read_case(EXAMPLES / f"{name}.toml", changes))
     model = stage.disk.model
     for tip in model.tips:
         beams = blade_beams(model, int(tip))
@@ -47,7 +47,7 @@ def test_few_terms_give_the_form() -> None:
 def test_a_blade_bent_to_a_parabola_draws_back_by_the_closed_form() -> None:
     """w = y (s / L)^2 on a straight blade of length L: int w'^2 / 2 ds = 2 y^2 / (3 L)."""
     case = read_case(EXAMPLES / "imbalance.toml")
-    disk, blade, height = build_stage(case).disk, 3, 0.02
+    disk, blade, height = build_beams(case).disk, 3, 0.02
     beams = blade_beams(disk.model, int(disk.model.tips[blade]))
     mesh, root = disk.mesh, disk.mesh.points[beams.root]
     length = np.linalg.norm(mesh.points[disk.model.tips[blade]] - root)
@@ -71,7 +71,7 @@ def test_a_blade_bent_to_a_parabola_draws_back_by_the_closed_form() -> None:
 def test_the_form_of_a_problem_is_the_drawback_of_its_fields(around: bool) -> None:
     changes = ["contact.foreshortening=true", f"contact.tip_rotation={str(around).lower()}"]
     case = read_case(EXAMPLES / "curved_blades.toml", changes)
-    stage = build_stage(case)
+    stage = build_beams(case)
     given = contact_problem(stage).foreshortening
     assert given is not None
     modes = stage.reduction.modes

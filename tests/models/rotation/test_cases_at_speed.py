@@ -15,8 +15,8 @@ from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.loads import unbalance
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
 
 WAYS = ("backward", "forward")
@@ -51,7 +51,7 @@ def test_the_table_goes_to_a_file_and_back() -> None:
 @pytest.mark.parametrize("ratio", [1.05, 1.6])
 def test_the_reduction_at_speed(ratio: float) -> None:
     """On a basis found with K_Omega, as accurate as the reference found such a basis to be."""
-    stage = build_stage(with_values(turning(), {"march.speed": ratio}))
+    stage = build_beams(with_values(turning(), {"march.speed": ratio}))
     actual = stage.reduction.modes
     for k, frequencies in known(ratio)["centrifugal"].items():
         own = np.unique(np.round(actual.frequency[actual.nodal_diameter == int(k)], 9))[:1]
@@ -64,7 +64,7 @@ def test_the_reduction_at_speed(ratio: float) -> None:
 @pytest.mark.slow
 def test_a_cold_clearance_is_what_growth_leaves() -> None:
     hot, cold = (
-        build_stage(turning(rotation={"effects": "centrifugal", "clearance": state}))
+        build_beams(turning(rotation={"effects": "centrifugal", "clearance": state}))
         for state in ("hot", "cold")
     )
     np.testing.assert_array_equal(hot.rotor.tip_recess, 0.0)
@@ -75,7 +75,7 @@ def test_a_cold_clearance_is_what_growth_leaves() -> None:
         np.testing.assert_allclose(stage.arrays.tip_growth, growth, rtol=1e-8)
     case = with_values(cold.case, {"casing.clearance": 9e-5})
     with pytest.raises(CaseError, match="expected room for the growth of the tips"):
-        build_stage(case)
+        build_beams(case)
 
 
 @pytest.mark.slow
@@ -84,11 +84,11 @@ def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
     load = {"type": "imbalance", "clearance_speed": 1.05}
     (tip,) = [tip for ratio, _, tip in THIN["steady_per_newton"] if ratio == 1.05]
     for speed in (1.05, 0.5):  # of the march: that of the calibration counts
-        stage = build_stage(turning(excitation=load, march={"speed": speed}))
+        stage = build_beams(turning(excitation=load, march={"speed": speed}))
         omega = 1.05 * stage.reference_frequency
         assert unbalance(stage) == pytest.approx(1e-3 / tip / omega**2, rel=1e-8)
     cold = {"effects": "centrifugal", "clearance": "cold"}
-    stage = build_stage(turning(excitation=load, rotation=cold))
+    stage = build_beams(turning(excitation=load, rotation=cold))
     room = 1e-3 - known(1.05)["tip_growth_softened"]
     assert unbalance(stage) == pytest.approx(room / tip / omega**2, rel=1e-8)
 
@@ -96,7 +96,7 @@ def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
 @pytest.mark.slow
 def test_reduced_matrices_with_coriolis_forces() -> None:
     """Waves of the reduced model, and what internal damping does to the slowest of them."""
-    reduced, row = build_stage(turning("full")).reduced, known(1.05)
+    reduced, row = build_beams(turning("full")).reduced, known(1.05)
     assert reduced.gyroscopic is not None
     assert abs(reduced.gyroscopic + reduced.gyroscopic.T).max() == 0.0
     waves = [row[way][str(k)][0] for k in range(1, 11) for way in ("backward", "forward")]
@@ -109,21 +109,21 @@ def test_reduced_matrices_with_coriolis_forces() -> None:
     (growth,) = [growth for ratio, growth, _ in THIN["growth_rates_xi_0.005"] if ratio == 1.05]
     assert damped.real.max() == pytest.approx(growth, rel=2e-4)
     assert "gyroscopic" in reduced.to_xarray()
-    assert "gyroscopic" not in build_stage(turning()).reduced.to_xarray()
+    assert "gyroscopic" not in build_beams(turning()).reduced.to_xarray()
 
 
 @pytest.mark.slow
 def test_a_march_knows_coriolis_forces_and_damping_of_the_modes_at_rest() -> None:
     """Past the critical speed it needs them."""
-    assert contact_problem(build_stage(turning())).rotor.by_velocity is None
-    stage = build_stage(turning("full"))
+    assert contact_problem(build_beams(turning())).rotor.by_velocity is None
+    stage = build_beams(turning("full"))
     actual = contact_problem(stage).rotor.by_velocity
     assert actual is not None
     rates, _ = damped_eigenvalues(np.eye(len(actual)), actual, np.diag(stage.rotor.stiffness))
     (growth,) = [growth for ratio, growth, _ in THIN["growth_rates_xi_0.005"] if ratio == 1.05]
     assert rates.real.max() == pytest.approx(growth, rel=2e-4)
     with pytest.raises(CaseError, match=r"march\.speed = 2\.2: expected less than 2\.10802"):
-        build_stage(turning(march={"speed": 2.2}))
+        build_beams(turning(march={"speed": 2.2}))
 
 
 def listed_modes(case: Case, folder: Path, *options: str) -> dict[str, Any]:
@@ -175,7 +175,7 @@ def test_modes_of_unlike_sectors_whirl_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize("ratio", [1.05, -1.05])
 def test_a_result_has_the_waves_that_its_modes_make_up(ratio: float) -> None:
     """k = 1 and 3 against the full model; mirrored, they travel as they did."""
-    arrays = build_stage(turning("full", march={"speed": ratio})).arrays
+    arrays = build_beams(turning("full", march={"speed": ratio})).arrays
     for way in WAYS:
         for k in (1, 3):
             own = np.flatnonzero(arrays.rotor_nodal_diameter == k)[:6:2]
@@ -186,7 +186,7 @@ def test_a_result_has_the_waves_that_its_modes_make_up(ratio: float) -> None:
 @pytest.mark.slow
 def test_the_error_of_the_reduction_is_that_of_its_waves() -> None:
     """At 1.05 backward and forward against the full model's, the other way round alike."""
-    ahead, back = (build_stage(turning("full", march={"speed": x})) for x in (1.05, -1.05))
+    ahead, back = (build_beams(turning("full", march={"speed": x})) for x in (1.05, -1.05))
     arrays = ahead.arrays
     own = int(np.flatnonzero(arrays.rotor_nodal_diameter == 1)[0])
     error = max(
@@ -203,11 +203,11 @@ def test_the_error_of_the_reduction_is_that_of_its_waves() -> None:
 @pytest.mark.slow
 def test_past_its_critical_speed_a_forward_wave_is_negative() -> None:
     """The one that ends at its critical speed; Coriolis forces aside nothing has two ways."""
-    arrays = build_stage(turning("full", march={"speed": 2.5})).arrays
+    arrays = build_beams(turning("full", march={"speed": 2.5})).arrays
     lowest, next_one = np.flatnonzero(arrays.rotor_nodal_diameter == 1)[[0, 2]]
     assert arrays.rotor_family[lowest] == "suspension"  # 1F at rest
     assert arrays.rotor_forward_frequency[lowest] < 0.0 < arrays.rotor_forward_frequency[next_one]
-    none = build_stage(turning("centrifugal")).arrays
+    none = build_beams(turning("centrifugal")).arrays
     np.testing.assert_array_equal(none.rotor_forward_frequency, none.rotor_frequency)
 
 
@@ -215,7 +215,7 @@ def test_blades_hardly_unlike_have_nearly_the_same_waves() -> None:
     blades = {"blades": 8, "elements_per_blade": 4, "disk": {"thickness": 0.01}}
     few = {"fixed_interface_modes": 40}
     alike, unlike = (
-        build_stage(turning("full", bladed_disk=blades | mistuned, reduction=few)).arrays
+        build_beams(turning("full", bladed_disk=blades | mistuned, reduction=few)).arrays
         for mistuned in ({}, {"mistuning": {"stiffness": [1.0 + 1e-6] + [1.0] * 7}})
     )
     assert np.any(alike.rotor_backward_frequency > 1.1 * alike.rotor_forward_frequency)

@@ -13,7 +13,7 @@ from bladewhirl.models.elements.build import case_casing
 from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel
 from bladewhirl.models.modal.labels import structure_modes
 from bladewhirl.models.sections.wall import Arc, Lobe, RingProfile, Wall
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.runs.properties import stage_properties
 
 
@@ -148,7 +148,7 @@ def test_a_fixed_rotation_stays_out_of_an_uneven_ring() -> None:
 def test_the_stage_has_the_wall_of_its_case() -> None:
     """Dense where the ring is uneven; drawn and weighed with its true section."""
     case = read_case(EXAMPLES / "stiffened_casing.toml")
-    stage = build_stage(case)
+    stage = build_beams(case)
     assert not stage.casing_modes.is_cyclic
     assert stage.reduction.modes.is_cyclic
     assert stage_properties(stage)["cyclic"] == {"bladed_disk": True, "casing": False}

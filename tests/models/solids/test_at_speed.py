@@ -15,7 +15,7 @@ from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage import superelement_structure as stage_of_superelement
 from bladewhirl.models.stage.basis_error import basis_error
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 SPEED = CALCULIX["speed"]
@@ -118,10 +118,10 @@ def test_a_large_blade_is_condensed_for_all_speeds(
     given = bw.with_values(given, {"reduction.free_interface_modes": 12})
     for speed in ("300 rad/s", "700 rad/s", "1024 rad/s"):
         at_speed = bw.with_values(given, {"march.speed": speed})
-        exact = superelement_stage(at_speed).reduced
+        exact = build_matrices(at_speed).reduced
         with monkeypatch.context() as changed:
             changed.setattr(stage_of_superelement, "LARGE", 10)
-            stage = superelement_stage(at_speed)
+            stage = build_matrices(at_speed)
         found = stage.reduced
         assert stage.table.part.size > 2 * stage.part.size
         assert found.frequency[:10] == pytest.approx(exact.frequency[:10], rel=1e-9)
@@ -146,13 +146,13 @@ def test_the_error_of_a_condensed_sector_is_known(tmp_path: Path) -> None:
     part = mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE)
     small = {"reduction": {"free_interface_modes": 5}}
     turning = case(tmp_path, part, "sector", rotation={"effects": "centrifugal"}, **small)
-    stage = superelement_stage(turning)
+    stage = build_matrices(turning)
     found = basis_error(stage)
     assert found is not None
     assert found < 1e-9
     shifted = replace(stage.reduced, stiffness=1.001**2 * stage.reduced.stiffness)
     assert basis_error(replace(stage, reduced=shifted)) == pytest.approx(1e-3, rel=1e-4)
-    assert basis_error(superelement_stage(case(tmp_path, part, "sector", **small))) is None
+    assert basis_error(build_matrices(case(tmp_path, part, "sector", **small))) is None
     file = tmp_path / "case.toml"
     file.write_text(bw.dumps_case(turning), encoding="utf-8")
     assert "error of the lowest frequencies at this speed" in answer("show", file).output

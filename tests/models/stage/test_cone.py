@@ -9,7 +9,8 @@ from solid_meshes import STEEL, cantilever
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build import steady_problem
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -49,10 +50,10 @@ def test_a_node_that_slides_along_the_axis_meets_the_wall_by_the_sine(
     """A node pushed along the axis by s towards the smaller radius penetrates the wall by s sin
     slope."""
     given = case(block(tmp_path), casing={"clearance": "1 mm", "slope": f"{slope} deg"})
-    problem = superelement_stage(given).problem
+    problem = steady_problem(build_matrices(given))
     b, moved = slope * DEGREES, -np.sign(slope) * 0.4e-3
     normal = problem.rotor.tip_radial @ np.linalg.pinv(
-        superelement_stage(given).reduced.contact
+        build_matrices(given).reduced.contact
     )  # of displacements along e_r, e_theta and e_z
     assert normal[0] == pytest.approx([np.cos(b), 0.0, -np.sin(b)], abs=1e-12)
     gap = problem.initial_gap()[0] - normal[0] @ [0.0, 0.0, moved]
@@ -171,7 +172,7 @@ def test_a_node_has_the_slope_of_its_place(tmp_path: Path) -> None:
     """Between two equal intervals with slopes a and b, the derivative of the monotone cubic
     is 2 a b / (a + b), F. N. Fritsch and J. Butland (1984)."""
     rows = [["0 mm", "0.3 m"], ["50 mm", "0.303 m"], ["100 mm", "0.312 m"]]
-    problem = superelement_stage(case(block(tmp_path), casing={"contour": rows})).problem
+    problem = steady_problem(build_matrices(case(block(tmp_path), casing={"contour": rows})))
     b = np.arctan(2 * 0.06 * 0.18 / (0.06 + 0.18))
     assert problem.slope == pytest.approx([b], rel=1e-12)
     assert problem.initial_gap() == pytest.approx([1e-3 * np.cos(b)], rel=1e-12)
@@ -190,7 +191,7 @@ def test_a_node_has_the_slope_of_its_place(tmp_path: Path) -> None:
 )
 def test_a_contour_covers_the_nodes(wall: dict[str, Any], message: str, tmp_path: Path) -> None:
     with pytest.raises(CaseError, match=message):
-        _ = superelement_stage(case(block(tmp_path), casing=wall)).problem
+        _ = steady_problem(build_matrices(case(block(tmp_path), casing=wall)))
 
 
 @pytest.mark.parametrize("key", ["slope", "contour"])

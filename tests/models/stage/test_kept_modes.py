@@ -9,10 +9,10 @@ from contact_cases import assert_same, ledger_residual, run, run_as_reference, t
 from faults import fault
 
 from bladewhirl.models.case.file import loads
+from bladewhirl.models.stage.beams import Beams
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.excitations import radial_mode
-from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -20,7 +20,7 @@ from bladewhirl.studies.runs.recorded_march import march_in_memory
 CONTACT = ("casing.support=7.975e6", "reduction.fixed_interface_modes=22", "casing.elements=20")
 
 
-def stage(modes: str, *overrides: str) -> Stage:
+def stage(modes: str, *overrides: str) -> Beams:
     """A coarse stage for contact simulations that keeps some modes."""
     return stages.stage(*CONTACT, *overrides, f"reduction.modes={modes}")
 

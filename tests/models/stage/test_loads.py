@@ -5,22 +5,21 @@ import pytest
 from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.beams import Beams
 from bladewhirl.models.stage.contact_problem import Load
-from bladewhirl.models.stage.excitations import radial_mode
+from bladewhirl.models.stage.excitations import excitation_loads, radial_mode
 from bladewhirl.models.stage.loads import (
-    excitation_loads,
     imbalance_force,
     initial_state,
     unbalance,
 )
-from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.varying_speed import Rotation
 
 SUPPORT = 7.975e6
 """Casing support of the contact cases [N/m2]."""
 
 
-def on_support(*overrides: str) -> Stage:
+def on_support(*overrides: str) -> Beams:
     return stage(f"casing.support={SUPPORT}", *overrides)
 
 
@@ -35,7 +34,7 @@ def at(loads: tuple[Load, ...], time: float) -> tuple[FloatArray, FloatArray]:
     return rotor, casing
 
 
-def centre_force(given: Stage, modal: FloatArray) -> FloatArray:
+def centre_force(given: Beams, modal: FloatArray) -> FloatArray:
     """The force at the centre that a modal force stands for."""
     return np.asarray(np.linalg.lstsq(given.rotor.centre.T, modal, rcond=None)[0])
 

@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg as la
 from stages import SMALL, stage
 
-from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.beams import Beams
 
 KINDS = {
     "even": "shaft.clamped=false",
@@ -14,7 +14,7 @@ KINDS = {
 }
 
 
-def damped(kind: str) -> Stage:
+def damped(kind: str) -> Beams:
     return stage(*SMALL, KINDS[kind], "shaft.damping=30.0")
 
 

@@ -10,9 +10,9 @@ import pytest
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build import contact_problem, steady_problem
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.sudden_changes import make_scheme
 
@@ -54,7 +54,7 @@ def pair(
     same = common | {"bladed_disk": {"superelement": table}, "shaft": shaft, "reduction": kept}
     same |= {} if own is None else {"excitation": own}
     speed = stage.speed
-    return contact_problem(stage), superelement_stage(bw.case_from(same)).problem_at(speed)
+    return contact_problem(stage), steady_problem(build_matrices(bw.case_from(same)).at(speed))
 
 
 def marched(problem: ContactProblem) -> tuple[Chunk, FloatArray]:

@@ -7,12 +7,13 @@ from stages import SMALL, stage
 
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.modal.modes import suspension_pair
+from bladewhirl.models.stage.beams import Beams
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.loads import imbalance_force
-from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.studies.runs.properties import stage_properties
 
 
-def on_shaft(x: float, y: float | None, *more: str) -> Stage:
+def on_shaft(x: float, y: float | None, *more: str) -> Beams:
     """A small stage with these shaft springs."""
     other = () if y is None else (f"shaft.stiffness_y={y}",)
     return stage(*SMALL, f"shaft.stiffness={x}", *other, *more)
@@ -64,7 +65,7 @@ def test_modes_that_do_not_move_the_centre_stay() -> None:
 
 def test_the_example_pulls_along_the_softer_spring() -> None:
     case = read_case(EXAMPLES / "unequal_shaft.toml")
-    actual = build_stage(case)
+    actual = build_beams(case)
     assert stage_properties(actual)["cyclic"] == {"bladed_disk": False, "casing": True}
     x, y = case.shaft.stiffnesses
     assert x < y

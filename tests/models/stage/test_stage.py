@@ -15,7 +15,7 @@ from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements import cost
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 
 THIN_DISK = "bladed_disk.disk.thickness=0.01"
 """The paper's Table 1 to the letter, which the independent results are for."""
@@ -122,16 +122,16 @@ def test_what_finite_elements_refuse_is_one_line(
     values: dict[str, object], line: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cost, "memory", lambda: math.inf)  # whatever this machine has
-    assert fault(build_stage, with_values(Case(), values)).startswith(line)
+    assert fault(build_beams, with_values(Case(), values)).startswith(line)
 
 
 def test_arrays_know_what_carries_the_shaft() -> None:
     springs = {"stiffness": 2.8e7, "stiffness_y": 4e7, "frame": "static", "damping": 3e3}
-    arrays = build_stage(Case(shaft=springs, casing={"elements": 12})).arrays
+    arrays = build_beams(Case(shaft=springs, casing={"elements": 12})).arrays
     assert arrays.shaft_frame == "static"
     np.testing.assert_array_equal(arrays.shaft_stiffness, [2.8e7, 4e7])
     np.testing.assert_array_equal(arrays.shaft_damping, [3e3, 3e3])
-    held = build_stage(Case(shaft={**springs, "clamped": True}, casing={"elements": 12})).arrays
+    held = build_beams(Case(shaft={**springs, "clamped": True}, casing={"elements": 12})).arrays
     assert not held.shaft_stiffness.any()
     assert not held.shaft_damping.any()
 
@@ -139,8 +139,8 @@ def test_arrays_know_what_carries_the_shaft() -> None:
 def test_a_small_bladed_disk_keeps_all_of_its_modes_by_default() -> None:
     """Its case, and the copy of it in the folder of a run, state a number that is allowed."""
     small = case_from({"bladed_disk": {"blades": 4, "elements_per_blade": 2}})
-    stage = build_stage(small)
+    stage = build_beams(small)
     kept = stage.case.reduction.fixed_interface_modes
     assert kept == stage.disk.structure.size - 4 * 2 - 2 < 110
-    again = build_stage(case_from(tomllib.loads(dumps_case(small))))
+    again = build_beams(case_from(tomllib.loads(dumps_case(small))))
     assert again.case.reduction.fixed_interface_modes == kept

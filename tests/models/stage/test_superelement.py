@@ -9,8 +9,9 @@ import scipy.linalg as la
 from rod_blade import blade, tables
 
 import bladewhirl as bw
-from bladewhirl.models.stage.superelement_loads import centre_rows
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build import steady_problem
+from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
@@ -21,7 +22,7 @@ def test_a_stage_as_a_wheel_has_its_frequencies_and_motions(
 ) -> None:
     small = {"blades": 5, "elements_per_blade": 3}
     shaft = {"clamped": clamped, "stiffness": 2e7, **({} if clamped else {"stiffness_y": 1e7})}
-    stage = bw.build_stage(bw.case_from({"bladed_disk": small, "shaft": shaft}))
+    stage = build_beams(bw.case_from({"bladed_disk": small, "shaft": shaft}))
     bw.write_superelement(tmp_path / "wheel.npz", stage.to_superelement())
     case = bw.case_from(
         {
@@ -31,7 +32,7 @@ def test_a_stage_as_a_wheel_has_its_frequencies_and_motions(
             "reduction": {"free_interface_modes": 12},
         }
     )
-    wheel = superelement_stage(case)
+    wheel = build_matrices(case)
     structure = stage.disk.structure
     squares, shapes = la.eigh(structure.stiffness.toarray(), structure.mass.toarray())
     assert wheel.reduced.frequency == pytest.approx(np.sqrt(squares[:12]), rel=1e-9)
@@ -68,7 +69,7 @@ def test_initial_motion_and_blade_forces_of_a_wheel_are_those_of_beams(
         "march": {"speed": "1500 rpm", "time_step": 5e-7, "duration": 3e-3, "record_step": 1e-4},
     }
     beams = bw.case_from(tables)
-    part = bw.build_stage(beams).to_superelement()
+    part = build_beams(beams).to_superelement()
     bw.write_superelement(tmp_path / "wheel.npz", part)
     given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "copies": 4}
     nodes = {
@@ -102,7 +103,7 @@ def test_blades_of_a_wheel_have_to_be_known(
     tmp_path: Path, copies: int, changes: dict[str, Any], expected: str
 ) -> None:
     small = {"bladed_disk": {"blades": 4, "elements_per_blade": 1}}
-    part = bw.build_stage(bw.case_from(small)).to_superelement()
+    part = build_beams(bw.case_from(small)).to_superelement()
     bw.write_superelement(tmp_path / "wheel.npz", part)
     given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "copies": copies}
     with pytest.raises(bw.CaseError, match=expected):
@@ -113,12 +114,12 @@ SHAFT = {"stiffness": 2e7, "stiffness_y": 1e7}
 
 
 def test_the_centre_of_a_turned_wheel_moves_as_its_points(tmp_path: Path) -> None:
-    stage = bw.build_stage(
+    stage = build_beams(
         bw.case_from({"bladed_disk": {"blades": 5, "elements_per_blade": 2}, "shaft": SHAFT})
     )
     bw.write_superelement(tmp_path / "wheel.npz", stage.to_superelement())
     given = {"file": str(tmp_path / "wheel.npz"), "kind": "wheel", "angle": 0.7}
-    wheel = superelement_stage(
+    wheel = build_matrices(
         bw.case_from(
             {
                 "bladed_disk": {"superelement": given},
@@ -128,7 +129,7 @@ def test_the_centre_of_a_turned_wheel_moves_as_its_points(tmp_path: Path) -> Non
             }
         )
     )
-    rows = centre_rows(wheel.reduced, wheel.table.angle)
+    rows = wheel.centre_rows
     assert np.abs(rows).max() > 0.1
     assert rows == pytest.approx(wheel.arrays.point_shape[stage.disk.model.centre, :2], abs=1e-9)
 
@@ -148,9 +149,9 @@ def test_mistuned_blades_have_the_flexibility_and_damping_of_their_stiffness(
         "damping": {"ratio": 0.01, "boundary_ratio": 0.3},
     }
     table["bladed_disk"]["mistuning"] = {"stiffness": stiffness}
-    stage = superelement_stage(bw.case_from(table))
+    stage = build_matrices(bw.case_from(table))
     assert stage.factor == pytest.approx(stiffness)
-    rotor = stage.problem.rotor
+    rotor = steady_problem(stage).rotor
     assert rotor.nodes is not None
     residual = rotor.nodes.compliance
     rows = blade().contact_rows

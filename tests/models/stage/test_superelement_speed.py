@@ -12,9 +12,9 @@ from solid_meshes import STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -73,7 +73,7 @@ def test_a_wheel_with_all_modes_moves_as_its_beams(tmp_path: Path, closure: Any)
 def massless(folder: Path, march: dict[str, Any] = RUN_UP, **casing: Any) -> tuple[Any, Any]:
     """Stage and contact problem with few modes and massless ends."""
     case = solid(given(march=march, **casing), folder, "massless", free_interface_modes=12)
-    return superelement_stage(case), prepare(case).problem
+    return build_matrices(case), prepare(case).problem
 
 
 def of_solids(folder: Path, kind: str) -> tuple[Any, Any]:
@@ -101,7 +101,7 @@ def of_solids(folder: Path, kind: str) -> tuple[Any, Any]:
             "reduction": {"free_interface_modes": 5},
         }
     )
-    return superelement_stage(case), prepare(case).problem
+    return build_matrices(case), prepare(case).problem
 
 
 def static(problem: ContactProblem, speed: float, force: Any) -> Any:
@@ -312,7 +312,7 @@ def test_a_wheel_runs_above_its_first_critical_speed(tmp_path: Path, march: Any)
     )
     tables |= {"damping": {"boundary_ratio": case.damping.ratio}}
     wheel = exported(case, "wheel", tmp_path, reduction={"boundary": "consistent"}, **tables)
-    assert superelement_stage(wheel).reduced.squares[0] < 0.0
+    assert build_matrices(wheel).reduced.squares[0] < 0.0
     one, other = (march_in_memory(prepare(each))[0] for each in (case, wheel))
     assert one["contact_impulse"].values.sum() > 0.0
     gap, found = one["gap"].values, other["gap"].values
@@ -324,7 +324,7 @@ def test_a_wheel_with_massless_ends_has_its_frequencies_above_its_critical_speed
 ) -> None:
     case = given(march={"speed": "900 rad/s", "time_step": 1e-6})
     wheel = solid(case, tmp_path, "massless", free_interface_modes=20)
-    stage = superelement_stage(wheel)
+    stage = build_matrices(wheel)
     part: Any = bw.read_superelement(stage.table.file)
     stiffness = dense(part.at(900.0).stiffness)
     stiffness[part.centre_dofs, part.centre_dofs] += stage.case.shaft.stiffnesses
@@ -340,7 +340,7 @@ def test_a_wheel_with_massless_ends_has_its_frequencies_above_its_critical_speed
 def test_too_many_modes_are_named_at_speed_too(tmp_path: Path) -> None:
     case = given(march={"speed": 0.6, "time_step": 1e-6})
     with pytest.raises(CaseError, match=r"reduction\.free_interface_modes = 60.*expected") as error:
-        superelement_stage(solid(case, tmp_path, "massless", free_interface_modes=60))
+        build_matrices(solid(case, tmp_path, "massless", free_interface_modes=60))
     assert "march.speed" not in str(error.value)
 
 
@@ -356,6 +356,6 @@ def test_a_blade_that_loses_its_stiffness_is_refused_by_its_speed(tmp_path: Path
         "reduction": {"free_interface_modes": 5},
     }
     with pytest.raises(CaseError, match=r"march\.speed = 1\.2.*keeps its stiffness"):
-        superelement_stage(bw.case_from(tables))
+        build_matrices(bw.case_from(tables))
     tables["march"] = {"speed": 0.9, "time_step": 1e-7}
-    assert superelement_stage(bw.case_from(tables)).reduced.squares[0] > 0.0
+    assert build_matrices(bw.case_from(tables)).reduced.squares[0] > 0.0

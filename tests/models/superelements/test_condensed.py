@@ -8,15 +8,16 @@ from exported_stages import beams, exported
 
 import bladewhirl as bw
 from bladewhirl.models.stage import superelement_structure as stages
-from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.models.stage.build_matrices import build_matrices
+from bladewhirl.models.stage.matrices import Matrices
 
 
-def both(case: bw.Case, monkeypatch: pytest.MonkeyPatch) -> tuple[SuperelementStage, ...]:
+def both(case: bw.Case, monkeypatch: pytest.MonkeyPatch) -> tuple[Matrices, ...]:
     """The stage of a case, reduced from the file and from the condensed wheel."""
-    exact = superelement_stage(case)
+    exact = build_matrices(case)
     with monkeypatch.context() as changed:
         changed.setattr(stages, "LARGE", 10)
-        return exact, superelement_stage(case)
+        return exact, build_matrices(case)
 
 
 @pytest.mark.parametrize("speed", ["60 rad/s", "120 rad/s", "250 rad/s"])

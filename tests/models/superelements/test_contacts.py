@@ -11,8 +11,7 @@ from solid_meshes import grid_mesh
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.hints import superelement_hints
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements.contacts import with_single_contacts
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.solvers.march.march import KernelState, Statistics
@@ -108,9 +107,9 @@ def test_a_file_with_nodes_on_both_faces_is_marched_with_one_of_each(tmp_path: P
     part = sector()
     file = case(tmp_path / "twice.npz", doubled(part, 0.0))
     assert file.bladed_disk.superelement.part.contacts == 4
-    stage = superelement_stage(file)
+    stage = build_matrices(file)
     assert stage.part.contacts == 4 * SECTORS
-    assert "2 contact nodes of the file are left out" in next(iter(superelement_hints(stage)))
+    assert "2 contact nodes of the file are left out" in next(stage.hints())
     result, report = march_in_memory(prepare(file))
     expected, _ = march_in_memory(prepare(case(tmp_path / "once.npz", part)))
     assert report["unsolved_steps"] == 0

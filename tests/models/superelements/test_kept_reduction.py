@@ -14,7 +14,7 @@ from solid_meshes import SECTORS, bladed_sector
 
 import bladewhirl as bw
 from bladewhirl.models.solids.blade import mesh3d
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements import kept_reduction
 from bladewhirl.models.superelements import sector as sector_module
 from bladewhirl.models.superelements.cholesky import Cholesky
@@ -215,7 +215,7 @@ def test_points_of_a_sweep_reduce_a_sector_once(
     frequencies = []
     for clearance in (1e-3, 2e-3, 3e-3):
         case = bw.with_values(bw.Case(), values | {"casing.clearance": clearance})
-        frequencies.append(superelement_stage(case).reference_frequency)
+        frequencies.append(build_matrices(case).reference_frequency)
     assert len(made) == 1
     assert len(set(frequencies)) == 1
     assert not (tmp_path / "sector.npz.reduced").exists()  # it is small

@@ -13,7 +13,7 @@ from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -68,7 +68,7 @@ def test_a_mistuned_sector_of_solids_has_the_modes_of_its_wheel(
     if effects != "none":
         wheel = wheel.at(3000.0, "centrifugal")
     squares = la.eigh(dense(wheel.stiffness), dense(wheel.mass), subset_by_index=[0, 29])[0]
-    found = superelement_stage(case)
+    found = build_matrices(case)
     assert found.reduced.frequency[:30] == pytest.approx(np.sqrt(squares), rel=1e-7)
     rows = wheel.contact_rows.toarray()
     static = np.diag(rows @ np.linalg.solve(dense(wheel.stiffness), rows.T))

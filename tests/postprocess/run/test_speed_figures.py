@@ -7,7 +7,7 @@ from legible import assert_legible
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.run import torques as torques_of_runs
@@ -106,7 +106,7 @@ def test_the_other_torque_is_what_the_momentum_gains_besides(
 
 def test_a_prescribed_speed_needs_the_torque_of_its_inertia(through: xr.Dataset) -> None:
     _, data = RunFigures(through).draw("torques")
-    model = build_stage(loads(f"{FULL}{CASE}{TABLE}")).disk.model
+    model = build_beams(loads(f"{FULL}{CASE}{TABLE}")).disk.model
     mesh, places = model.mesh, np.asarray((np.arange(200) + 0.5) / 200.0)
     ends = mesh.points[mesh.lines]
     at = ends[:, :1] + places[:, None] * (ends[:, 1:] - ends[:, :1])

@@ -16,10 +16,11 @@ from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.stage.beams import Beams
 from bladewhirl.models.stage.blade_loss import lost_part, remaining_disk, without_part
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.kernel.structs import lib
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk, KernelState
@@ -41,12 +42,12 @@ ALL_MODES = {
 LOST_AT = 0.01
 
 
-def stage_of(**changes: Any) -> Stage:
+def stage_of(**changes: Any) -> Beams:
     case = read_case(EXAMPLES / "imbalance.toml")
     loss = {"blade": changes.pop("blade", 4), "time": LOST_AT, "from": changes.pop("share", 0.0)}
     values = {**ALL_MODES, "blade_loss": loss}
     values |= {name.replace("__", "."): value for name, value in changes.items()}
-    return build_stage(with_values(case, values))
+    return build_beams(with_values(case, values))
 
 
 def marched(given: ContactProblem, duration: float, every: int, dt: float) -> Chunk:
@@ -57,17 +58,17 @@ def marched(given: ContactProblem, duration: float, every: int, dt: float) -> Ch
 class FullOrder:
     """Bladed disk before and after a loss in all degrees of freedom, without contact."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Beams) -> None:
         case, model, self.stage = stage.case, stage.disk.model, stage
         assert case.blade_loss is not None
         self.disk = case_bladed_disk(case, clamped=case.shaft.clamped)
-        lost = lost_part(stage, case.blade_loss)
+        lost = lost_part(case, model)
         others = np.setdiff1d(np.arange(len(model.mesh.points)), lost.nodes)
         lines = np.setdiff1d(np.arange(len(model.mesh.lines)), lost.lines)
         alone = without_part(model, replace(lost, nodes=others, lines=lines))
         loose = assemble_bladed_disk(alone, shaft_stiffness=0.0, clamped=case.shaft.clamped)
         self.before, self.fragment = rotation_matrices(self.disk), loose.structure
-        self.lost, self.remaining = lost, remaining_disk(stage, lost).structure
+        self.lost, self.remaining = lost, remaining_disk(case, model, lost).structure
 
     def damping(self, mass: FloatArray, stiffness: FloatArray) -> FloatArray:
         square, modes = la.eigh(stiffness, mass)
@@ -105,7 +106,7 @@ def constant_load(
     return np.asarray(np.array(states) + rest)
 
 
-def full_march(stage: Stage, step: float, end: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def full_march(stage: Beams, step: float, end: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times, centre and tips of a march in all degrees of freedom at constant speed."""
     case, omega = stage.case, stage.speed
     full = FullOrder(stage)
@@ -487,5 +488,5 @@ def test_a_loss_that_is_not_possible_is_refused(changes: dict[str, Any], message
     case = read_case(EXAMPLES / "imbalance.toml")
     values = {**ALL_MODES, "blade_loss": {"blade": 4, "time": LOST_AT}, "rotation.effects": "full"}
     with pytest.raises(CaseError) as error:
-        contact_problem(build_stage(with_values(case, {**values, **changes})))
+        contact_problem(build_beams(with_values(case, {**values, **changes})))
     assert message in str(error.value)

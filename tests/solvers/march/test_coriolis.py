@@ -13,15 +13,15 @@ from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.verification.stages import observed_order
 
 
 @cache
 def turning_stage(example: str, *changes: str) -> ContactProblem:
     case = read_case(EXAMPLES / f"{example}.toml", ['rotation.effects="full"', *changes])
-    return contact_problem(build_stage(case))
+    return contact_problem(build_beams(case))
 
 
 def test_a_disk_that_turns_the_other_way_moves_as_in_a_mirror() -> None:

@@ -11,8 +11,8 @@ from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load, WallClosure
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk
@@ -34,7 +34,7 @@ def free_stage(*, clearance: float = 1e-3, ratio: float = 0.0, **drive: float) -
         "damping": {"ratio": ratio},
         "march": {"speed": 0.8, "drive": {"inertia": 0.1, **drive}},
     }
-    return contact_problem(build_stage(case_from(SMALL | further)))
+    return contact_problem(build_beams(case_from(SMALL | further)))
 
 
 def lost_energy(chunk: Chunk) -> float:
@@ -131,7 +131,7 @@ def test_static_dampers_take_the_momentum_of_their_torque() -> None:
         "shaft": {"stiffness": 3e7, "damping": damping, "damping_frame": "static"},
         "initial": {"centre_velocity": [4.0, -2.0]},
     }
-    given = contact_problem(build_stage(case_from(SMALL | further)))
+    given = contact_problem(build_beams(case_from(SMALL | further)))
     chunk = marched(given, dt, 5000, every=1)
     x, y = (chunk.rotor_displacement @ given.rotor.centre.T).T
     v, w = (chunk.rotor_velocity @ given.rotor.centre.T).T

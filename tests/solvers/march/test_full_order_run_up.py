@@ -10,7 +10,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk
 
@@ -33,7 +33,7 @@ CHANGES = {
 
 def test_the_orbit_is_that_of_all_degrees_of_freedom() -> None:
     case = bw.with_values(bw.read_case(EXAMPLES / "imbalance.toml"), CHANGES)
-    stage = build_stage(case)
+    stage = build_beams(case)
     speeds = bw.critical_speeds(case)["critical_speed"].sel(direction="forward", branch=1)
     critical = float(speeds.sel(stiffness=case.shaft.stiffness, method="nearest"))
     assert 7000.0 < critical < 9500.0

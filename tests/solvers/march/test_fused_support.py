@@ -9,9 +9,10 @@ from places import EXAMPLES
 
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.beams import Beams
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.sudden_changes import ChangingState, make_scheme
@@ -35,9 +36,9 @@ ALL_MODES = {
 FUSE = {"shaft.fuse_force": "20 kN", "shaft.fused_stiffness": "10 MN/m"}
 
 
-def stage_of(changes: dict[str, Any]) -> Stage:
+def stage_of(changes: dict[str, Any]) -> Beams:
     case = read_case(EXAMPLES / "imbalance.toml")
-    return build_stage(with_values(case, ALL_MODES | changes))
+    return build_beams(with_values(case, ALL_MODES | changes))
 
 
 def marched(given: ContactProblem, steps: int, every: int) -> tuple[ChangingState, Chunk]:

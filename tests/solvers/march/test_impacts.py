@@ -11,14 +11,14 @@ from places import EXAMPLES
 
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.verification.bodies import marched
 
 
 def stage(name: str, **changes: Any) -> ContactProblem:
     case = read_case(EXAMPLES / f"{name}.toml")
-    return replace(contact_problem(build_stage(case)), **changes)
+    return replace(contact_problem(build_beams(case)), **changes)
 
 
 @pytest.mark.parametrize("name", ["coupled_modes", "spinning_fan", "unequal_bearings"])

@@ -10,8 +10,8 @@ import rod_blade
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
-from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk, KernelState
@@ -107,7 +107,7 @@ def test_blades_in_a_flexible_casing_go_on_as_a_stage_of_fewer_copies(file: Path
         "modal_force": 3000.0,
         "duration": 1.0,
     }
-    stage = marched_stage(bw.case_from(given))
+    stage = build_stage(bw.case_from(given))
     problem, dt = problem_of(stage), DT / 4.0
     assert problem.loss is not None
     scheme = SuddenChanges(problem, dt, 80)

@@ -15,7 +15,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.solvers.march.recorder import (
@@ -62,9 +62,9 @@ ATTRIBUTES: dict[str, Attribute] = {
 @cache
 def small_stage(*, supported: bool = False) -> StageArrays:
     if not supported:
-        return build_stage(with_values(Case(), SMALL)).arrays
+        return build_beams(with_values(Case(), SMALL)).arrays
     return replace(
-        build_stage(with_values(Case(), SMALL | SUPPORTS)).arrays,
+        build_beams(with_values(Case(), SMALL | SUPPORTS)).arrays,
         rotor_link=np.array([[3, 2]]),
         rotor_spring=np.array([[1, -1], [2, 5]]),
         mass_node=np.array([1, 4]),

@@ -12,7 +12,7 @@ from reference_march import Reference
 
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import joined
 from bladewhirl.solvers.packing import rotor
@@ -31,7 +31,7 @@ STAGES: dict[str, tuple[str, ...]] = {
 @pytest.mark.parametrize("cyclic", [True, False])
 def test_every_kind_of_stage_marches_as_the_reference(kind: str, cyclic: bool) -> None:
     name, *changes = STAGES[kind]
-    base = contact_problem(build_stage(read_case(EXAMPLES / f"{name}.toml", changes)))
+    base = contact_problem(build_beams(read_case(EXAMPLES / f"{name}.toml", changes)))
     given = thrown(base, 40.0, spread=0.5)  # they touch within the steps marched
     dt = min(1e-6, 0.5 * given.critical_time_step)
     assert cyclic or not any(CentralDifference(given, dt, 1, cyclic=False).cyclic)
@@ -79,7 +79,7 @@ def test_a_tip_at_whole_turns_is_under_the_node_that_it_is_at() -> None:
     """
     case = read_case(EXAMPLES / "elliptical_clearance.toml", ["excitation={type='none'}"])
     dt, each = 1e-6, 24_000
-    given = replace(contact_problem(build_stage(case)), speed=2.0 * np.pi / (each * dt))
+    given = replace(contact_problem(build_beams(case)), speed=2.0 * np.pi / (each * dt))
     fast = CentralDifference(given, dt, 1)
     for turns in range(1, 60):
         before = replace(fast.init(), step=turns * each - 4)
@@ -95,7 +95,7 @@ def test_a_tip_near_a_node_of_the_casing_has_the_gap_of_the_reference(seed: int)
     There rounding decides which element a tip is under; the wall must be the same either way.
     """
     case = read_case(EXAMPLES / "elliptical_clearance.toml", ["excitation={type='none'}"])
-    base, dt = contact_problem(build_stage(case)), 1e-6
+    base, dt = contact_problem(build_beams(case)), 1e-6
     tips, nodes, rng = (
         len(base.rotor.tip_radial),
         len(base.casing.nodal),

@@ -13,8 +13,8 @@ from reference_march import Reference
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.models.stage.varying_speed import SpeedChange
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.verification.bodies import (
@@ -34,7 +34,7 @@ def small_stage(*changes: str, table: tuple[tuple[str, float], ...] = ()) -> Con
     case = read_case(EXAMPLES / "imbalance.toml", [*SMALL, *changes])
     if table:
         case = with_values(case, {"march.speed_table": [list(row) for row in table]})
-    return contact_problem(build_stage(case))
+    return contact_problem(build_beams(case))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import bladewhirl as bw
-from bladewhirl.models.stage.build import contact_problem, with_contact_nodes
+from bladewhirl.models.stage.beam_rotor import with_contact_nodes
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, Start
 from bladewhirl.solvers.march.central_difference import CentralDifference
 

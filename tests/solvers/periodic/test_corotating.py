@@ -16,6 +16,7 @@ from places import ROOT
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import (
     ContactNodes,
     ContactProblem,
@@ -24,7 +25,6 @@ from bladewhirl.models.stage.contact_problem import (
     ReducedRotor,
     Start,
 )
-from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.periodic.corotating import _deviations as deviations
 from bladewhirl.solvers.periodic.corotating import _rows as rows
 from bladewhirl.solvers.periodic.corotating import corotating_contact, obstacles
@@ -51,7 +51,7 @@ def test_forces_on_the_tips_are_those_of_a_long_march(tmp_path: Path, friction: 
             "march.time_step": "2 us",
         }
     )
-    found = corotating_contact(marched_stage(own).contact_problem())
+    found = corotating_contact(contact_problem(build_stage(own)))
     bw.run(own, tmp_path / "run", frames=0)
     with bw.open_result(tmp_path / "run") as result:
         force = result["contact_impulse"].values[-50:].mean(axis=0) / 1e-3
@@ -59,7 +59,7 @@ def test_forces_on_the_tips_are_those_of_a_long_march(tmp_path: Path, friction: 
 
 
 def test_complementarity() -> None:
-    found = corotating_contact(marched_stage(imbalance()).contact_problem())
+    found = corotating_contact(contact_problem(build_stage(imbalance())))
     touching = found.normal > 0.0
     assert 0 < np.count_nonzero(touching) < len(touching)
     assert np.abs(found.gap[touching]).max() < 1e-12
@@ -99,7 +99,7 @@ def test_the_command_draws_the_forces(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_not_constant_in_rotating_axes(changes: Any, reason: str) -> None:
-    problem = marched_stage(imbalance(**changes)).contact_problem()
+    problem = contact_problem(build_stage(imbalance(**changes)))
     assert any(reason in each for each in obstacles(problem))
     with pytest.raises(ValueError, match=reason):
         corotating_contact(problem)
@@ -276,6 +276,4 @@ def test_refusals_of_beams_name_what_is_not_constant(
 
 
 def test_a_blade_without_load_has_other_obstacles() -> None:
-    assert list(obstacles(marched_stage(case()).contact_problem())) == [
-        "the clearance is not round"
-    ]
+    assert list(obstacles(contact_problem(build_stage(case())))) == ["the clearance is not round"]

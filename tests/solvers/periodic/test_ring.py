@@ -8,8 +8,8 @@ import pytest
 from periodic_cases import case, decay, rub
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import Motion
@@ -28,7 +28,7 @@ ORDERS = {"type": "engine-order", "order": 4, "phase": 2.0, "amplitude": "10 N"}
 
 def bladed_ring(copies: int, damping: float, **changes: Any) -> ContactProblem:
     stage = {"bladed_disk.superelement.copies": copies, "damping.ratio": damping}
-    return marched_stage(case(**{**RING, **stage, **changes})).contact_problem()
+    return contact_problem(build_stage(case(**{**RING, **stage, **changes})))
 
 
 def marched(problem: ContactProblem, blade: Blade, step: float, periods: int, records: int) -> Any:

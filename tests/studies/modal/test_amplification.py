@@ -12,7 +12,8 @@ from solid_meshes import SECTORS, STEEL, TIE, bladed_sector
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.blade_stiffness import stiffness_of_blades
+from bladewhirl.models.stage.beam_rotor import stiffness_of_blades
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.modal.amplification import amplification_rows
 from bladewhirl.studies.modal.response import largest
 
@@ -150,7 +151,7 @@ def test_stiffnesses_of_blades_add_up_to_that_of_mistuning(name: str) -> None:
     case = bw.read_case(EXAMPLES / f"{name}.toml", ["rotation.effects=none"])
     factors = 1.0 + 0.05 * np.random.default_rng(1).standard_normal(case.bladed_disk.count)
     mistuned = bw.with_values(case, {"bladed_disk.mistuning": {"stiffness": factors.tolist()}})
-    equal, unequal = (bw.build_stage(each).disk for each in (case, mistuned))
+    equal, unequal = (build_beams(each).disk for each in (case, mistuned))
     change = unequal.structure.stiffness - equal.structure.stiffness
     pairs = zip(factors, stiffness_of_blades(equal), strict=True)
     found = sum((factor - 1.0) * own for factor, own in pairs)

@@ -10,6 +10,7 @@ from command_line import answer, refusal
 from exported_stages import beams, exported
 
 import bladewhirl as bw
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.modal.contact_modes import report
 
 BENT = {
@@ -38,7 +39,7 @@ def test_bent_blades_lock_in_one_direction(speed: str) -> None:
     above the ratio of its radial to its tangential motion."""
     case = beams("blade", bladed_disk=BENT | {"disk_kind": "rigid"}, march={"speed": speed})
     one = bw.contact_modes(case, families=1).isel(mode=0)
-    stage = bw.build_stage(case)
+    stage = build_beams(case)
     shape = stage.reduction.modes.shapes[:, 0]
     radial, tangential = (
         shape[rows][np.abs(shape[stage.disk.tip_tangential]).argmax()]

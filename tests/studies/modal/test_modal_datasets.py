@@ -14,7 +14,7 @@ from rod_blade import blade, tables
 
 import bladewhirl as bw
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.modal.campbell import drawn_part
 from bladewhirl.solvers.stability.growth import eigenvalues
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
@@ -92,7 +92,7 @@ def test_every_variable_has_a_unit_and_can_be_saved(name: str, tmp_path: Path) -
 
 def test_a_case_and_its_reduced_stage_have_the_same_modes() -> None:
     assert bw.modes(case()).identical(studies()["modes"])
-    assert bw.modes(build_stage(case())).identical(studies()["modes"])
+    assert bw.modes(build_beams(case())).identical(studies()["modes"])
     clamped = bw.modes(case(**{"shaft.clamped": True}))
     assert clamped.attrs["centre"] == "clamped"
     np.testing.assert_array_equal(clamped.frequency, studies()["modes"].frequency)

@@ -11,6 +11,7 @@ from exported_stages import BLADES, beams, exported
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.studies.modal.resonances import margin, met_wave, orders_of_case
 
@@ -41,7 +42,7 @@ def test_orders_are_aliased(order: int, expected: tuple[int, int]) -> None:
 
 def test_bands_of_beams_lie_between_free_and_held_tips() -> None:
     case = curved()
-    diagram, stage = bw.campbell(case, families=3), bw.build_stage(case)
+    diagram, stage = bw.campbell(case, families=3), build_beams(case)
     structure, radial = stage.disk.structure, stage.disk.tip_radial
     kept = np.setdiff1d(np.arange(structure.size), radial)
     matrices = [each.toarray() for each in (structure.stiffness, structure.mass)]

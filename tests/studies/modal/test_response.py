@@ -16,6 +16,7 @@ import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.engine_order import unit_forces
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import dense
@@ -63,7 +64,7 @@ def test_the_response_is_that_of_the_full_model() -> None:
         "factors": [2.0, *[0.5] * 6],
     }
     own = case(3, tuned=False, **load)
-    stage = bw.build_stage(own)
+    stage = build_beams(own)
     structure, disk = stage.disk.structure, stage.disk
     squares, fields = la.eigh(structure.stiffness.toarray(), structure.mass.toarray())
     w = 3.0 * stage.speed
@@ -90,14 +91,14 @@ def test_excitations_of_a_list_add_up() -> None:
 
 
 def radial_work(own: bw.Case, field: FloatArray) -> FloatArray:
-    stage = bw.build_stage(own)
+    stage = build_beams(own)
     assert isinstance(own.excitation, EngineOrder)
     return np.asarray(unit_forces(own, stage.disk, own.excitation) @ field)
 
 
 @pytest.mark.slow
 def test_forces_along_a_blade_have_their_resultant_and_their_place() -> None:
-    stage = bw.build_stage(case())
+    stage = build_beams(case())
     disk = stage.disk
     radii = np.linalg.norm(disk.mesh.points, axis=1)
     root, tip = radii[disk.mesh.node_sets["roots"]].min(), radii[disk.model.tips].max()
@@ -155,10 +156,10 @@ def test_springs_have_no_response() -> None:
 def test_a_response_needs_a_speed_at_which_the_bladed_disk_is_stable() -> None:
     with pytest.raises(bw.UserError, match=r"response: speeds \[\]: expected at least one speed"):
         bw.response(case(), speeds=[])
-    softened = bw.build_stage(case(effects="centrifugal"))
+    softened = build_beams(case(effects="centrifugal"))
     with pytest.raises(bw.CaseError, match=r"march.speed = 5.0: expected less than .* critical"):
         bw.response(softened, speeds=[0.5, 5.0])
-    turning = bw.build_stage(case(effects="full"))
+    turning = build_beams(case(effects="full"))
     with pytest.raises(bw.CaseError, match=r"a speed, unlike 1000\.0, at which blades are stable"):
         bw.response(turning, speeds=[0.5, 1e3])
 

@@ -10,7 +10,9 @@ from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.stage.superelement_stage import SuperelementStage, superelement_stage
+from bladewhirl.models.stage.build_matrices import build_matrices
+from bladewhirl.models.stage.forced import forced
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import Superelement, dense
 from bladewhirl.models.superelements.wheel import whole_wheel
@@ -99,10 +101,11 @@ def forces(kind: str, whole: Superelement, points: IntArray) -> ComplexArray:
     return load
 
 
-def statically(stage: SuperelementStage) -> tuple[ComplexArray, ComplexArray]:
+def statically(stage: Matrices) -> tuple[ComplexArray, ComplexArray]:
     """Displacements of the contact nodes of each copy by the modes, and by what they leave out."""
     (load,) = engine_orders(stage.case)
-    ((_, force),), ((_, rest),) = stage.forces_of_order(load), stage.static_of_order(load)
+    (disk,) = forced(stage, [load], [stage.speed])
+    ((_, force),), ((_, rest),) = disk.forces.items(), disk.static.items()
     modal = force.reshape(stage.copies, -1) / stage.reduced.frequency**2
     return modal / stage.factor[:, None] @ stage.reduced.contact.T, rest
 
@@ -128,7 +131,7 @@ def test_forces_on_points_move_contact_nodes_as_statically(
     of_copies = (factor if kind == "blade" else np.ones(1))[:, None]
     stiffness = dense(whole.stiffness)
     expected = np.linalg.solve(stiffness, load.T).T / of_copies @ rows.T
-    modal, rest = statically(superelement_stage(given))
+    modal, rest = statically(build_matrices(given))
     largest = np.abs(expected).max()
     # The residual flexibility of a wheel of unequal sectors is estimated from that of equal ones.
     most = 3e-3 if kind == "sector" and mistuned else 1e-8
@@ -144,7 +147,7 @@ def test_a_slow_response_is_that_of_all_coordinates(kind: str, tmp_path: Path) -
     points = between(part, *((0.24, 0.26) if kind == "blade" else (0.105, 0.115)))
     given, factor = case(tmp_path, kind, part, points, effects="none", mistuned=False)
     given = bw.with_values(given, {"damping.ratio": 1e-7})
-    stage = superelement_stage(given)
+    stage = build_matrices(given)
     w = SLOW * stage.reference_frequency
     whole = structure(kind, part, factor, "none")
     dynamic = dense(whole.stiffness) - w**2 * dense(whole.mass)

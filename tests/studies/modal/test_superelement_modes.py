@@ -14,8 +14,8 @@ from exported_stages import BLADES, Kind, beams, exported
 from rod_blade import blade, tables
 
 import bladewhirl as bw
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.modal_superelement import modal_superelement
-from bladewhirl.models.stage.superelement_stage import superelement_stage
 from bladewhirl.models.structure.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.superelements import nodal_blocks
 from bladewhirl.models.superelements.superelement import dense
@@ -154,7 +154,7 @@ def test_coriolis_forces_split_the_waves_of_a_sector(tmp_path: Path) -> None:
     case = bw.case_from(
         tables(file, bladed_disk={"superelement": table}, reduction={"free_interface_modes": 12})
     )
-    reference = superelement_stage(case).reference_frequency
+    reference = build_matrices(case).reference_frequency
     diagram = bw.campbell(case, families=3, speeds=(0.0, case.march.speed.multiple(reference)))
     assert diagram.sizes["coincidence"] == 0
     modes = of(bw.modes(case, count=12), "bladed-disk", "clamped", 12)
@@ -173,7 +173,7 @@ def test_coriolis_forces_split_the_waves_of_a_sector(tmp_path: Path) -> None:
         )
         assert abs(branch["branch_frequency"].item()) == pytest.approx(listed, rel=1e-9)
     # The march has the same frequencies: those of its modes with their Coriolis forces.
-    reduced, omega = superelement_stage(case).reduced, superelement_stage(case).speed
+    reduced, omega = build_matrices(case).reduced, build_matrices(case).speed
     assert reduced.gyroscopic is not None
     size = len(reduced.frequency)
     top = np.hstack([-omega * reduced.gyroscopic, -np.diag(reduced.frequency**2)])
@@ -206,7 +206,7 @@ def test_a_wheel_is_marched_with_its_stiffness_at_speed(tmp_path: Path) -> None:
     march = {"speed": "2000 rpm", "time_step": 1e-6}
     case = beams(rotation={"effects": "full"}, march=march)
     same = {"boundary": "consistent", "fixed_interface_modes": 10}
-    wheel = superelement_stage(exported(case, "wheel", tmp_path, reduction=same))
+    wheel = build_matrices(exported(case, "wheel", tmp_path, reduction=same))
     stage = bw.build_stage(case)
     assert wheel.reference_frequency == pytest.approx(stage.reference_frequency, rel=1e-3)
     assert wheel.reduced.frequency == pytest.approx(stage.rotor.frequency, rel=1e-9)
@@ -220,7 +220,7 @@ def test_a_wheel_is_marched_with_its_stiffness_at_speed(tmp_path: Path) -> None:
         bw.build_stage(beams()).rotor.frequency[0], rel=1e-3
     )
     too_fast = bw.with_values(wheel.case, {"march.speed": 3.0})
-    assert superelement_stage(too_fast).reduced.squares[0] < 0.0  # above the first critical speed
+    assert build_matrices(too_fast).reduced.squares[0] < 0.0  # above the first critical speed
 
 
 @pytest.mark.slow
@@ -260,7 +260,7 @@ def test_matrices_at_speed_act_alike_in_modes_and_in_the_march(tmp_path: Path, k
             rotation={"effects": "full"},
         )
     )
-    stage = superelement_stage(case)
+    stage = build_matrices(case)
     whole = whole_wheel(part, 4) if kind == "sector" else part
     stiffness = dense(whole.stiffness) + stage.speed**2 * dense(whole.stiffness_speed)
     coriolis = stage.speed * dense(whole.gyroscopic)
@@ -271,7 +271,7 @@ def test_matrices_at_speed_act_alike_in_modes_and_in_the_march(tmp_path: Path, k
     assert np.abs(lowest / at_rest - 1.0).max() > 1e-2
     modes = bw.modes(case, count=8).sel(body="bladed-disk")
     assert 2.0 * np.pi * modes["frequency"].values == pytest.approx(lowest, rel=1e-6)
-    rotor = stage.rotor_at(stage.speed)
+    rotor = stage.rotor
     assert rotor.by_velocity is not None
     forces = 0.5 * (rotor.by_velocity - rotor.by_velocity.T)
     modal = np.diag(rotor.by_copy(rotor.stiffness)[0])

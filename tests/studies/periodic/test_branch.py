@@ -17,7 +17,7 @@ from periodic_cases import case
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.table import path_of, value_at
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.studies.periodic.origins import motion_of
 from bladewhirl.studies.sweeps.axes import _numeric_keys as numeric_keys
@@ -185,7 +185,7 @@ def test_a_branch_or_run_of_another_stage_is_no_start(tmp_path: Path, begun: Pat
     """With another number of contact nodes, also if it is a multiple."""
     run = tmp_path / "run"
     bw.run(case(**SMALL, **{"march.duration": "1 ms"}), run, frames=0)
-    own = replace(Blade.of_problem(marched_stage(case(**SMALL)).contact_problem()), lobes=1)
+    own = replace(Blade.of_problem(contact_problem(build_stage(case(**SMALL)))), lobes=1)
     for nodes in (1, 2, 10):
         other = replace(own, angle=np.zeros(nodes))
         for folder in (begun, run):

@@ -12,7 +12,7 @@ from places import ROOT
 from sweep_work import in_process
 
 import bladewhirl as bw
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.search import periodic_motion
 from bladewhirl.studies.periodic import initial_states
@@ -35,7 +35,7 @@ RING = {
 
 def marched(own: bw.Case) -> tuple[float, xr.Dataset]:
     """Return the impulse per revolution of the periodic motion of a case, and a march from it."""
-    stage = marched_stage(own)
+    stage = build_stage(own)
     found = initial_states.start_of(stage)
     assert found is not None
     start, impulse = found

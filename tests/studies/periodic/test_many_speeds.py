@@ -5,7 +5,7 @@ import pytest
 from periodic_cases import case, growth, marched, rub
 
 import bladewhirl as bw
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.build import build_stage, contact_problem
 
 SPEEDS = np.linspace(4200.0, 8200.0, 21)  #: [rpm]
 STEPS = 1e-6 / 2.0 ** np.arange(5)  #: time steps of marches [s]
@@ -23,9 +23,8 @@ def test_impulses_and_multipliers_are_those_of_marches(closure: str) -> None:
     assert not data.attrs["failures"]
     for n, speed in enumerate(SPEEDS.tolist()):
         one = data.isel(speed=n)
-        problem = marched_stage(
-            bw.with_values(own, {"march.speed": f"{speed} rpm"})
-        ).contact_problem()
+        at_speed = bw.with_values(own, {"march.speed": f"{speed} rpm"})
+        problem = contact_problem(build_stage(at_speed))
         motion = rub(problem)
         leading = float(np.abs(one["multipliers"].values[0]))
         rates = list[float]()

@@ -21,9 +21,10 @@ from small_run import assert_same_bits
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.stage.build import steady_problem
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.coating import axial_tracks, spacing
-from bladewhirl.models.stage.hints import superelement_hints
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at
 from bladewhirl.postprocess.fields.nodes import displacement
@@ -144,7 +145,7 @@ def test_cases_that_cannot_be_marched_are_refused(
 
 @pytest.mark.parametrize("key", ["points", "contact", "stiffness"])
 def test_numbers_that_are_not_finite_end_before_the_march(file: Path, key: str) -> None:
-    stage = superelement_stage(bw.case_from(tables(file)))
+    stage = build_matrices(bw.case_from(tables(file)))
     wrong = dense(getattr(stage.reduced, key))
     wrong.flat[0] = np.nan
     changed: dict[str, Any] = {"of_points": lambda turn: wrong} if key == "points" else {key: wrong}
@@ -157,7 +158,7 @@ def test_a_damping_matrix_that_feeds_energy_is_refused(file: Path, tmp_path: Pat
     damping = np.eye(54) - 0.5  # feeds equal motion of all coordinates
     bw.write_superelement(tmp_path / "rods.npz", replace(blade(), damping=damping))
     with pytest.raises(bw.CaseError, match="a damping matrix without negative eigenvalues"):
-        superelement_stage(bw.case_from(tables(tmp_path / "rods.npz")))
+        build_matrices(bw.case_from(tables(tmp_path / "rods.npz")))
 
 
 def test_a_slow_closure_is_marched(file: Path) -> None:
@@ -193,8 +194,8 @@ def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> 
         },
         damping__ratio=0.2,
     )
-    stage = superelement_stage(bw.case_from(given))
-    problem, dt = stage.problem, 1e-6
+    stage = build_matrices(bw.case_from(given))
+    problem, dt = steady_problem(stage), 1e-6
     scheme = CentralDifference(problem, dt, 20)
     _, chunk, _ = scheme.advance(scheme.init(), 40_001)
     w, frequency = 3.0 * stage.speed, problem.rotor.by_copy(problem.rotor.frequency)[0]
@@ -228,10 +229,10 @@ def test_commands_for_beams_refuse_a_superelement(run: Run, command: str, expect
 def test_damping_of_the_file_is_reported(file: Path, tmp_path: Path) -> None:
     part = replace(blade(), damping=0.4 * np.eye(54), gyroscopic=np.zeros((54, 54)))
     bw.write_superelement(tmp_path / "damped.npz", part)
-    damped = superelement_stage(bw.case_from(tables(tmp_path / "damped.npz")))
-    assert [hint.split()[2] for hint in superelement_hints(damped)] == ["damping"]
-    assert damped.problem.rotor.by_velocity == pytest.approx(80.0 * np.eye(15), abs=1e-9)
-    assert not [*superelement_hints(superelement_stage(bw.case_from(tables(file))))]
+    damped = build_matrices(bw.case_from(tables(tmp_path / "damped.npz")))
+    assert [hint.split()[2] for hint in stage_hints(damped)] == ["damping"]
+    assert damped.rotor.by_velocity == pytest.approx(80.0 * np.eye(15), abs=1e-9)
+    assert not [*stage_hints(build_matrices(bw.case_from(tables(file))))]
 
 
 @pytest.mark.slow
@@ -272,7 +273,7 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     assert 0.0 < summary["wear_strain_max"] < 0.9
     assert summary["energy_residual"] < 1e-9
     assert (run.directory / "wear-tracks.png").is_file()
-    stage = superelement_stage(bw.case_from(tables(file, **changes)))
+    stage = build_matrices(bw.case_from(tables(file, **changes)))
     actual = (run.directory / "result.nc").stat().st_size
     assert superelement_properties(stage)["result_bytes"] == pytest.approx(actual, rel=0.1)
     with bw.open_result(run.directory) as result:
@@ -308,7 +309,7 @@ def test_a_second_run_begins_with_the_tracks_of_the_first(tmp_path: Path) -> Non
     given = tables(file, **changes)
     given["casing"]["coating"] = LAYER | {"profile": {"file": str(run.directory / "wear.csv")}}
     again = bw.case_from(given)
-    second = superelement_stage(again).coating
+    second = build_matrices(again).coating
     assert second is not None
     np.testing.assert_allclose(second.strain, worn, rtol=0.0, atol=1e-15)
     assert loads(bw.dumps_case(again)) == again
@@ -323,10 +324,10 @@ def test_a_second_run_begins_with_the_tracks_of_the_first(tmp_path: Path) -> Non
 def test_a_profile_without_axial_positions_is_that_of_all_tracks(file: Path) -> None:
     profile = {"points": [[0.7 * k, 1e-5 * k] for k in range(8)], "lobes": [WAVE]}
     given = tables(file, casing__coating=LAYER | {"profile": profile})
-    same = superelement_stage(bw.case_from(given)).coating
+    same = build_matrices(bw.case_from(given)).coating
     tracks = [{"axial": z, "points": profile["points"]} for z in ("2 cm", 0.0, "-20 mm")]
     profile = {"tracks": tracks, "lobes": [WAVE]}
-    each = superelement_stage(
+    each = build_matrices(
         bw.case_from(tables(file, casing__coating=LAYER | {"profile": profile}))
     ).coating
     assert same is not None
@@ -344,8 +345,8 @@ def test_tracks_of_unequal_numbers_of_nodes() -> None:
 def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> None:
     assert spacing(np.array([0.0, 3.0, 1.0])) == pytest.approx([0.5, 1.0, 1.5])
     coated = bw.case_from(tables(file, casing__coating=LAYER))
-    plain = superelement_properties(superelement_stage(bw.case_from(tables(file))))
-    shown = superelement_properties(superelement_stage(coated))
+    plain = superelement_properties(build_matrices(bw.case_from(tables(file))))
+    shown = superelement_properties(build_matrices(coated))
     assert shown["smallest_clearance"] == plain["smallest_clearance"]
     assert shown["coating"]["tracks"] == 3
     assert shown["coating"]["width"] == pytest.approx(0.04)
@@ -356,7 +357,7 @@ def test_blades_start_with_the_motion_of_their_tips(file: Path) -> None:
     given = tables(file, initial={"tip_displacement": moved, "tip_velocity": moved})
     given["reduction"] = {"free_interface_modes": 50}
     given["march"] |= {"duration": 1e-3, "time_step": 5e-7}
-    problem = superelement_stage(bw.case_from(given)).problem
+    problem = steady_problem(build_matrices(bw.case_from(given)))
     rotor, start = problem.rotor, problem.rotor.by_copy(problem.start.rotor)
     nodes = start @ rotor.contact.T
     assert nodes.reshape(3, 3, 3).mean(axis=1)[:, :2] == pytest.approx(np.array(moved), abs=1e-15)
@@ -427,15 +428,14 @@ def test_a_long_step_with_a_flexible_ring_is_hinted_at_with_its_loss(
 ) -> None:
     casing = {"elements": 12, "clearance": 3e-4, "support": 1e7}
     given = tables(file, casing=casing)
-    limit = superelement_stage(bw.case_from(given)).problem.critical_time_step
+    limit = steady_problem(build_matrices(bw.case_from(given))).critical_time_step
     steps = {"time_step": share * limit, "record_step": share * limit, "duration": 10 * limit}
-    stage = superelement_stage(bw.case_from({**given, "march": {"speed": 0.5, **steps}}))
-    hints = [*superelement_hints(stage)]
+    stage = build_matrices(bw.case_from({**given, "march": {"speed": 0.5, **steps}}))
+    hints = [*stage_hints(stage)]
     if share < 0.3:
         assert hints == []
         return
-    assert stage.ring is not None
-    mass = 1.0 / np.sum(stage.ring.reduced_casing.nodal[0, 0] ** 2)
+    mass = 1.0 / np.sum(stage.reduced_casing.nodal[0, 0] ** 2)
     omega = 1.0 / np.sqrt(np.diag(stage.reduced.compliance)[::3].min() * mass)
     loss = 100.0 * omega * share * limit / 2.0
     assert loss > 1.0

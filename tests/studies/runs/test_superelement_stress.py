@@ -14,7 +14,8 @@ from solid_meshes import STEEL, TIE, bladed_sector, cantilever, grid_mesh
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.superelement_stage import superelement_stage
+from bladewhirl.models.stage.build import steady_problem
+from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement, dense
@@ -78,7 +79,7 @@ def test_stress_of_a_spinning_bar_is_the_closed_form(boundary: str, tmp_path: Pa
     """rho Omega^2 (R^2 - r^2) / 2 along the bar; without lateral contraction also at the clamp."""
     part = bw.mesh3d(bar(), **STEEL | {"poisson_ratio": 0.0})
     kept = {"boundary": boundary, "free_interface_modes": 6, "fixed_interface_modes": 3}
-    stage = superelement_stage(
+    stage = build_matrices(
         case(tmp_path, part, rotation={"effects": "centrifugal"}, reduction=kept)
     )
     arrays = stage.arrays
@@ -111,7 +112,7 @@ def test_stress_of_a_spinning_bar_follows_its_speed(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_steady_stress_is_left_out_without_effects_of_rotation(tmp_path: Path) -> None:
-    stage = superelement_stage(case(tmp_path, bw.mesh3d(bar(), **STEEL)))
+    stage = build_matrices(case(tmp_path, bw.mesh3d(bar(), **STEEL)))
     assert "steady_stress" not in stage.arrays.stored
     assert stage.arrays.stress_shape.shape == (stage.part.point_count, 6, 12)
 
@@ -148,7 +149,7 @@ def test_stress_of_static_forces_is_exact_with_few_modes(tmp_path: Path) -> None
     force = np.zeros((2, part.contacts, 3))
     force[0, 2] = [-3.0, -0.3, 0.2]
     force[1] = np.random.default_rng(4).standard_normal((part.contacts, 3))
-    reduced = superelement_stage(given).reduced
+    reduced = build_matrices(given).reduced
     push = np.einsum("cm,bc->bm", reduced.contact, force.reshape(2, -1))
     stiffness = np.array([[1.0], [1.3]]) * reduced.frequency**2
     static = result.isel(time=[0, 1]).copy()
@@ -260,7 +261,7 @@ def test_gauges_at_points_have_the_strain_of_the_stress(tmp_path: Path) -> None:
     given = case(tmp_path, part, sensor=rig, contact={"friction": 0.0})
     result = march_in_memory(prepare(given))[0]
     signals = bw.sensors(result)
-    arrays = superelement_stage(given).arrays
+    arrays = build_matrices(given).arrays
     shape, by_force = arrays.stress_shape[point], arrays.stress_by_force[0, point]
     modal = result["rotor_displacement"].values.reshape(-1, 2, shape.shape[1])
     force = result["contact_force"].values.reshape(len(modal), 2, -1)
@@ -361,7 +362,7 @@ def test_a_result_of_sectors_has_the_stress_of_the_whole_wheel(tmp_path: Path) -
     result = march_in_memory(prepare(given))[0]
     force = np.zeros((sectors, 6))
     force[2], force[7] = [-3.0, 1.0, 0.3, 0.0, 0.0, 2.0], [0.0, 0.5, 0.0, -1.0, 0.0, 0.0]
-    reduced = superelement_stage(given).reduced
+    reduced = build_matrices(given).reduced
     static = result.copy()
     moved = reduced.contact.T @ force.ravel() / reduced.frequency**2
     records = result.sizes["time"]
@@ -403,8 +404,8 @@ def test_a_blade_that_bends_far_gets_a_hint_and_ends_at_its_length(
         casing={"type": "rigid", "clearance": 0.2},
         initial={"tip_velocity": [[0.0, velocity], [0.0, 0.0]]},
     )
-    stage = superelement_stage(given)
-    assert stage.problem.displacement_limit == pytest.approx(0.1, rel=5e-3)
+    stage = build_matrices(given)
+    assert steady_problem(stage).displacement_limit == pytest.approx(0.1, rel=5e-3)
     run = bw.run(given, tmp_path / "run", frames=0)
     assert run.end_reason == end
     found = " ".join(run.hints)

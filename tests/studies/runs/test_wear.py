@@ -12,6 +12,7 @@ from small_run import assert_same_bits, broken_off, small
 import bladewhirl as bw
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.fields.kinematics import ViewError, coating_strain_at, table_of_result
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares, lobes_of, wear_summary
@@ -49,7 +50,7 @@ def test_a_run_broken_off_goes_on_to_the_same_profiles(whole: Path, tmp_path: Pa
 
 @pytest.mark.slow
 def test_the_predicted_size_includes_the_coating(whole: Path) -> None:
-    predicted = stage_properties(bw.build_stage(coated()))["result_bytes"]
+    predicted = stage_properties(build_beams(coated()))["result_bytes"]
     actual = (whole / "result.nc").stat().st_size
     assert predicted == expected_bytes(prepare(coated())) == pytest.approx(actual, rel=0.1)
 
@@ -59,7 +60,7 @@ def test_a_second_run_begins_with_the_profile_of_the_first(whole: Path) -> None:
     case = bw.with_values(coated(), {"casing.coating.profile": profile})
     with bw.open_result(whole) as first:
         worn = first["coating_strain"].values[-1]
-    second = contact_problem(bw.build_stage(case)).coating
+    second = contact_problem(build_beams(case)).coating
     assert second is not None
     assert worn.max() > 0.0
     np.testing.assert_allclose(second.strain, worn, rtol=0.0, atol=1e-15)

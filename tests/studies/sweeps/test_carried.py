@@ -10,8 +10,8 @@ from small_run import small
 from sweep_work import InProcess, Killed, assert_carried_on, same_bits
 
 import bladewhirl as bw
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.contact_problem import NEVER, Load
-from bladewhirl.models.stage.marched import marched_stage
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -62,12 +62,12 @@ def test_a_march_in_two_parts_is_one_march(effects: str) -> None:
     changes = {**FREE, "rotation.effects": effects, "march.record_step": 8e-6}
     turn = 2.0 * np.pi / stage_at(small(**changes)).speed
     case = small(**changes, **{"march.duration": 8e-6 * round(2.5 * turn / 8e-6)})
-    assert_carried_on(marched_stage(case), "rotor_displacement", "rotor_velocity")
+    assert_carried_on(build_stage(case), "rotor_displacement", "rotor_velocity")
 
 
 def test_loads_go_on_without_ramp_and_pulses_are_over() -> None:
     loads: Any = [{"type": "casing-distortion"}, {"type": "engine-order", "ramp": 0.3}]
-    stage = marched_stage(small(excitation=loads))
+    stage = build_stage(small(excitation=loads))
     prepared = prepare(stage)
     result, _ = march_in_memory(prepared)
     after = continued(stage, prepared.problem, late_state(stage, result))

@@ -11,7 +11,8 @@ from small_run import small
 import bladewhirl as bw
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.stage.marched import MarchedStage, marched_stage
+from bladewhirl.models.stage.build import build_stage
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.digest import digest
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file
@@ -29,8 +30,8 @@ from bladewhirl.studies.sweeps.points import Point, Work, march_point, stage_at
 
 
 @pytest.fixture(scope="module")
-def stage() -> MarchedStage:
-    return marched_stage(small())
+def stage() -> Stage:
+    return build_stage(small())
 
 
 def extent(*durations: float, record_step: float = 1e-4) -> Extent:
@@ -48,7 +49,7 @@ def test_the_extent_is_that_of_all_points() -> None:
     assert (actual.blades, actual.records) == (9, 1001)
 
 
-def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: MarchedStage) -> None:
+def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: Stage) -> None:
     layout = make_layout(extent(0.4, 1.0), stage)
     assert layout.window == pytest.approx(0.2)
     np.testing.assert_allclose(np.diff(layout.frequency), 5.0)
@@ -58,13 +59,13 @@ def test_lines_are_multiples_of_one_over_the_window_of_the_shortest(stage: March
     assert (layout.samples, layout.blades, layout.nodal_diameters) == (MOST_SAMPLES, 6, 4)
 
 
-def test_what_coarse_records_do_not_resolve_is_left_out(stage: MarchedStage) -> None:
+def test_what_coarse_records_do_not_resolve_is_left_out(stage: Stage) -> None:
     layout = make_layout(extent(0.4, record_step=2e-3), stage)
     assert layout.frequency[-1] == pytest.approx(250.0)
     assert layout.samples == 201
 
 
-def test_very_long_marches_reach_less_far(stage: MarchedStage) -> None:
+def test_very_long_marches_reach_less_far(stage: Stage) -> None:
     assert len(make_layout(extent(1000.0), stage).frequency) == MOST_LINES
     assert len(make_layout(extent(1e-3), stage).frequency) >= 3
     instant = make_layout(extent(0.0), stage)

@@ -14,7 +14,7 @@ from rod_blade import blade, tables
 from sweep_work import assert_carried_on, in_process
 
 import bladewhirl as bw
-from bladewhirl.models.stage.marched import marched_stage
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.studies.runs.prepare import prepare
@@ -167,4 +167,4 @@ def test_a_carried_march_goes_on(file: Path) -> None:
             march__record_step=1e-4,
         )
     )
-    assert_carried_on(marched_stage(case), "rotor_displacement", "casing_displacement")
+    assert_carried_on(build_stage(case), "rotor_displacement", "casing_displacement")
