@@ -247,21 +247,12 @@ class ModalStage(ModalModel):
         modes = self.disk_modes
         return self._arrays(modes.expand(disk_modes), modes.family, disk_modes, casing_modes)
 
-    def whirl_arrays(self, whirling: IntArray, casing_modes: IntArray) -> StageArrays:
-        """Return the arrays of the stage with the chosen whirling modes, each as two real fields.
-
-        Args:
-            whirling: numbers of modes in the attribute `disk_whirl`.
-            casing_modes: numbers of modes in the attribute `casing_modes`.
-
-        Raises:
-            ValueError: the stage has no Coriolis forces, and therefore no whirling modes.
-        """
+    def shown_arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
         whirl = self.disk_whirl
         if whirl is None:
-            raise ValueError("a bladed disk without Coriolis forces has no whirling modes")
-        twice = np.repeat(whirling, 2)
-        return self._arrays(whirl.real_parts(whirling), whirl.family, twice, casing_modes)
+            return self.arrays(disk_modes, casing_modes)
+        twice = np.repeat(disk_modes, 2)
+        return self._arrays(whirl.real_parts(disk_modes), whirl.family, twice, casing_modes)
 
     def _arrays(
         self, modes: Modes, family: tuple[str, ...], disk_modes: IntArray, casing_modes: IntArray

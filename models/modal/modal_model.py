@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.modal.labels import LabelledModes
@@ -24,17 +24,6 @@ UNEQUAL_SECTORS = (
     " diameter"
 )
 """Error of studies of waves, which need a nodal diameter of each wave."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PointShapes:
-    """Modes at the points of the surface of a bladed disk."""
-
-    position: FloatArray  #: undeformed points [m], (points, 3)
-    triangle: IntArray  #: points of each surface triangle, (triangles, 3); may be empty
-    displacement: ComplexArray
-    """Displacements [kg^-1/2], (modes, points, 3); a mode moves as Re(displacement exp(i w t))."""
-    stage: StageArrays  #: the structure that the points belong to, with its contact nodes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,17 +79,18 @@ class ModalModel(ABC):
         """True if films can show the bladed disk: as lines, or as triangles between its points."""
         return self.of_lines
 
-    def points(self, numbers: IntArray) -> PointShapes | None:
-        """Return some of the listed modes at the points of the bladed disk; None if it consists of
-        lines.
+    @abstractmethod
+    def shown_arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
+        """Return the arrays of the stage with some modes of both bodies. The bladed disk is one
+        copy: the whole structure, or one of several separate blades.
 
         Args:
-            numbers: numbers of the modes.
+            disk_modes: numbers of modes among `listed_modes`; a whirling mode has two real fields.
+            casing_modes: numbers of modes among `casing_modes`; none with a rigid wall.
 
         Raises:
-            UserError: no points are known.
+            UserError: the points of the bladed disk are not known.
         """
-        return None
 
     def tip_motions(self, modes: ListedModes) -> tuple[str, ...]:
         """Return what the tip of a blade mostly does in each mode, see `tip_motion`; "" if it is

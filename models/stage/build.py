@@ -19,6 +19,7 @@ from bladewhirl.models.stage.coating import rod_faults
 from bladewhirl.models.stage.cone import wall_share
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
+    Load,
     WallClosure,
     critical_time_step,
 )
@@ -62,12 +63,11 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
         CaseError: time integration is not possible; the error lists all faults of `march_faults`.
             Also raised if loads exceed the range of floating-point numbers.
     """
-    faults = list(march_faults(stage, steps=steps))
-    if faults:
+    case, loads = stage.case, _kept_loads(stage)
+    if faults := list(march_faults(stage, loads, steps=steps)):
         raise CaseError(faults)
-    case = stage.case
     with numbers_within_reach(case):
-        steady = steady_problem(stage)
+        steady = _steady_problem(stage, loads)
         problem = with_speed_over_time(stage, steady)
         _check_start(stage, problem)
         if case.blade_loss is not None:
@@ -76,7 +76,18 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
 
 
 def steady_problem(stage: Stage) -> ContactProblem:
-    """Return the contact problem at the constant speed `Stage.speed`, without sudden changes."""
+    """Return the contact problem at the constant speed `Stage.speed`, without sudden changes and
+    without checks."""
+    return _steady_problem(stage, _kept_loads(stage))
+
+
+def _kept_loads(stage: Stage) -> tuple[Load, ...]:
+    """Return the loads of a case on the modes of `Stage.kept`."""
+    kept = stage.kept
+    return tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage))
+
+
+def _steady_problem(stage: Stage, loads: tuple[Load, ...]) -> ContactProblem:
     case, kept = stage.case, stage.kept
     rotor, casing = stage.bodies
     return ContactProblem(
@@ -87,7 +98,7 @@ def steady_problem(stage: Stage) -> ContactProblem:
         sliding=case.contact.sliding,
         tip_rotation=case.contact.tip_rotation,
         displacement_limit=stage.displacement_limit,
-        loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
+        loads=loads,
         start=initial_state(stage).take(kept.rotor, kept.casing),
         springs=kept.springs,
         closure=WallClosure.around(case.casing.closure, casing, wall_share(stage.slope)),
@@ -118,8 +129,9 @@ def _check_start(stage: Stage, problem: ContactProblem) -> None:
         raise CaseError([case_fault(stage.case, "casing.clearance", expected)])
 
 
-def march_faults(stage: Stage, *, steps: bool = True) -> Iterator[Fault]:
-    """Yield all faults that prevent time integration, without `steps` only those of the stage."""
+def march_faults(stage: Stage, loads: tuple[Load, ...], *, steps: bool = True) -> Iterator[Fault]:
+    """Yield all faults that prevent time integration under some loads, without `steps` only those
+    of the stage."""
     case, kept, flexible = stage.case, stage.kept, stage.reduced_casing.is_flexible
     if not len(kept.rotor) or (flexible and not len(kept.casing)):
         expected = "modes of the bladed disk and of the casing"
@@ -129,7 +141,7 @@ def march_faults(stage: Stage, *, steps: bool = True) -> Iterator[Fault]:
     yield from stage.faults()
     if stage.coating is not None:
         yield from rod_faults(case, stage.coating, stage.speed)
-    yield from _load_faults(stage)
+    yield from _load_faults(case, loads)
     yield from _start_faults(stage)
     yield from loss_faults(case)
 
@@ -171,12 +183,9 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         yield case_fault(case, "march.speed", expected)
 
 
-def _load_faults(stage: Stage) -> Iterator[Fault]:
+def _load_faults(case: Case, loads: tuple[Load, ...]) -> Iterator[Fault]:
     """Yield a fault if the load is orthogonal to all selected modes."""
-    case, kept = stage.case, stage.kept
-    loads = excitation_loads(stage)
-    felt = [load.take(kept.rotor, kept.casing) for load in loads]
-    if loads and not any(load.rotor.any() or load.casing.any() for load in felt):
+    if loads and not any(load.rotor.any() or load.casing.any() for load in loads):
         expected = (
             "a load that excites at least one mode kept by"
             f" reduction.modes = {case.reduction.modes!r}"

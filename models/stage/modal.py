@@ -52,6 +52,4 @@ def full_models(given: Modelled, study: str, reason: str) -> ModalStage:
     case = given if isinstance(given, Case) else given.case
     if case.bladed_disk.superelement is not None:
         raise UserError(f"{study}: not for a superelement: {reason}")
-    model = modal_model(given)
-    assert isinstance(model, ModalStage)
-    return model
+    return given if isinstance(given, ModalStage) else modal_stage(case)

@@ -7,14 +7,16 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg as la
+from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.meshes.plane import rotate
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_at
 from bladewhirl.models.case.plausibility import stiffness_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.labels import (
     LabelledModes,
     modes_of_blocks,
@@ -25,9 +27,9 @@ from bladewhirl.models.modal.modal_model import (
     FAMILIES,
     UNEQUAL_SECTORS,
     ModalModel,
-    PointShapes,
 )
 from bladewhirl.models.modal.modes import ListedModes, families, is_first_of_pair
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.tip_motion import tip_motion
 from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.modal.whirl_modes import WhirlModes, joined_modes, wave_modes
@@ -135,7 +137,13 @@ class ModalSuperelement(ModalModel):
     def has_surface(self) -> bool:
         return self.stage.part.triangles is not None
 
-    def points(self, numbers: IntArray) -> PointShapes:
+    def points(self, numbers: IntArray) -> ComplexArray:
+        """Return some of the listed modes at the points of a copy, or of the whole structure
+        [kg^-1/2], (modes, points, 3); a mode moves as Re(displacement exp(i w t)).
+
+        Raises:
+            UserError: no points are known.
+        """
         part, listed = self.stage.part, self.listed_modes
         if part.points is None:
             raise UserError(
@@ -156,13 +164,44 @@ class ModalSuperelement(ModalModel):
             field = sine * (self.blocks[k].points @ amplitudes[mode])
             wave = self._around(k, field)
             displacement.append(wave.conj() if ahead[mode] else wave)
-        turn, arrays = self._table.angle, self.stage.shown_arrays
         moved = np.array(displacement, dtype=np.complex128).reshape(-1, *part.points.shape)
-        return PointShapes(
-            position=rotate(part.points, turn),
-            triangle=arrays.triangle,
-            displacement=rotate(moved.real, turn) + 1j * rotate(moved.imag, turn),
-            stage=arrays,
+        turn = self._table.angle
+        return np.asarray(rotate(moved.real, turn) + 1j * rotate(moved.imag, turn))
+
+    def shown_arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
+        moving, listed, stage = self.points(disk_modes), self.listed_modes, self.stage.shown_arrays
+        fields = moving.real
+        if isinstance(listed, WhirlModes):
+            fields = np.stack([fields, -moving.imag], axis=1).reshape(-1, *fields.shape[1:])
+        first = np.full(len(stage.blade), True)
+        if len(stage.copy_angle) > 1:
+            first = stage.blade == 0
+        radius, angle = stage.contact_radius[first], stage.tip_angle[first]
+        nodes = np.column_stack([radius[:, None] * directions(angle), stage.axial_position[first]])
+        moved = fields[:, KDTree(stage.point).query(nodes)[1]]
+        names = ("blade", "node", "tip_angle", "contact_radius", "axial_position", "tip_recess")
+        walls: dict[str, Any] = {}
+        if self.casing is not None:
+            walls = casing_arrays(self.casing, self.casing_modes.take(casing_modes))
+        none = np.zeros(0)
+        return replace(
+            stage,
+            **{name: getattr(stage, name)[first] for name in names},
+            stress_shape=none,
+            stress_by_force=none,
+            steady_stress=none,
+            copy_stiffness=none,
+            **walls,
+            rotor_frequency=np.repeat(listed.frequency[disk_modes], len(fields) // len(moving)),
+            rotor_nodal_diameter=np.repeat(
+                listed.nodal_diameter[disk_modes], len(fields) // len(moving)
+            ),
+            contact_shape=np.moveaxis(rotate(moved, -angle), 0, -1),
+            copy_angle=np.zeros(1),
+            point_shape=np.moveaxis(fields, 0, -1),
+            centre_shape=none,
+            gauge_shape=none,
+            gauge_by_force=none,
         )
 
     def tip_motions(self, modes: ListedModes) -> tuple[str, ...]:

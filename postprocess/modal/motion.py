@@ -6,17 +6,13 @@ times cos(omega t) plus the sine mode times sin(omega t) travels forward; the co
 cos(omega t) minus the sine mode times sin(omega t) travels backward.
 """
 
-from dataclasses import replace
-from functools import singledispatch
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
-from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.full_stage import ModalStage
@@ -128,66 +124,12 @@ def shapes_dataset(stage: ModalModel, body: Body, numbers: IntArray) -> xr.Datas
     )
 
 
-@singledispatch
 def _arrays_of(model: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
     """Return the arrays of a stage with some modes of one body, see `mode_motion`; the other body
-    has one mode, which stays at rest.
-
-    The bladed disk is one copy with the points of its modes: the whole structure, or one of several
-    separate blades.
-
-    Args:
-        model: bladed disk whose `points` are not None.
-        body: body whose modes are taken.
-        numbers: number of a single mode, numbers of the cosine and the sine mode of a pair, or
-            number of a whirling mode, which has two fields.
-    """
-    disk = numbers if body == "bladed-disk" else np.zeros(1, dtype=np.int64)
-    shapes, listed = model.points(disk), model.listed_modes
-    assert shapes is not None
-    fields = shapes.displacement.real
-    if isinstance(listed, WhirlModes):
-        fields = np.stack([fields, -shapes.displacement.imag], axis=1).reshape(
-            -1, *fields.shape[1:]
-        )
-    stage, position = shapes.stage, shapes.position
-    first = stage.blade == 0 if len(stage.copy_angle) > 1 else np.full(len(stage.blade), True)
-    radius, angle = stage.contact_radius[first], stage.tip_angle[first]
-    nodes = np.column_stack([radius[:, None] * directions(angle), stage.axial_position[first]])
-    moved = fields[:, KDTree(position).query(nodes)[1]]
-    names = ("blade", "node", "tip_angle", "contact_radius", "axial_position", "tip_recess")
-    walls: dict[str, Any] = {}
-    if model.casing is not None:
-        wall = numbers if body == "casing" else np.zeros(1, dtype=np.int64)
-        walls = casing_arrays(model.casing, model.casing_modes.take(wall))
-    return replace(
-        stage,
-        **{name: getattr(stage, name)[first] for name in names},
-        stress_shape=np.zeros(0),
-        stress_by_force=np.zeros(0),
-        steady_stress=np.zeros(0),
-        copy_stiffness=np.zeros(0),
-        **walls,
-        rotor_frequency=np.repeat(listed.frequency[disk], len(fields) // len(disk)),
-        rotor_nodal_diameter=np.repeat(listed.nodal_diameter[disk], len(fields) // len(disk)),
-        contact_shape=np.moveaxis(rotate(moved, -angle), 0, -1),
-        copy_angle=np.zeros(1),
-        point=position,
-        point_shape=np.moveaxis(fields, 0, -1),
-        centre_shape=np.zeros(0),
-        gauge_shape=np.zeros(0),
-        gauge_by_force=np.zeros(0),
-    )
-
-
-@_arrays_of.register
-def _(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
+    has one mode, which stays at rest."""
     resting = np.zeros(1, dtype=np.int64)
-    if body == "casing":
-        return stage.arrays(resting, numbers)
-    if stage.disk_whirl is None:
-        return stage.arrays(numbers, resting)
-    return stage.whirl_arrays(numbers, resting)
+    bodies = (numbers, resting)[:: 1 if body == "bladed-disk" else -1]
+    return model.shown_arrays(*bodies)
 
 
 def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) -> xr.Dataset:

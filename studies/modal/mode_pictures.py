@@ -18,11 +18,11 @@ from bladewhirl.files import claim
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.mode_names import CASING
-from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.modes import ListedModes
 from bladewhirl.models.modal.whirl_modes import WhirlModes
+from bladewhirl.models.stage.modal import full_models
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
     plot_mode_shapes,
@@ -192,11 +192,12 @@ def _shapes(stage: ModalModel, modes: list[ChosenMode]) -> Drawn:
 def _scenarios(stage: ModalModel) -> Drawn:
     """Yield figures of standard and inverted contact, if a 1F pair moves the shaft and coincides
     with a casing mode."""
-    if stage.case.shaft.clamped or not isinstance(stage, ModalStage):
+    if stage.case.shaft.clamped:
         return
     for name, share in CASING_SHARES.items():
         try:
-            modes = whirling_modes(stage, casing_share=share)
+            full = full_models(stage, "scenario", "its contact is that of tips of beams")
+            modes = whirling_modes(full, casing_share=share)
         except UserError:
             return
         data = scenario_dataset(modes, reference=stage.reference_frequency)

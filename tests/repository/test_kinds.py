@@ -11,7 +11,7 @@ from places import ROOT
 
 LAYERS = ("models", "solvers", "postprocess", "studies")
 
-KINDS = "Stage|Beams|Matrices|ContactProblem"
+KINDS = "Stage|Beams|Matrices|ModalStage|ModalSuperelement|ContactProblem"
 
 QUESTIONS = re.compile(
     rf"isinstance\([^()]*\b(?:{KINDS})\)"

@@ -79,10 +79,10 @@ def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:
     rows[0] = [0.8e-3, 0.0]
     outward = {"initial": {"tip_displacement": rows}, "reduction": {"fixed_interface_modes": 22}}
     round_casing = build_beams(case_from(outward))
-    assert not list(march_faults(round_casing))
+    assert not list(march_faults(round_casing, ()))
     tight = {"lobes": 1, "amplitude": 3e-4, "phase": "180 deg"}
     given = case_from(outward | {"casing": {"clearance_lobes": [tight]}})
-    [fault] = march_faults(build_beams(given))
+    [fault] = march_faults(build_beams(given), ())
     assert "blade 0 starts 0.0008 m outward, but its clearance is 0.0007 m" in str(fault)
 
 

@@ -3,19 +3,25 @@ full matrices; faults that only show on the finite element model."""
 
 import math
 import tomllib
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 from faults import fault
+from places import EXAMPLES
 from stages import stage
 
 from bladewhirl.models.case.case import Case, case_from
-from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements import cost
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage import beams, build
+from bladewhirl.models.stage import stage as stage_module
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.studies.runs.prepare import prepare
 
 THIN_DISK = "bladed_disk.disk.thickness=0.01"
 """The paper's Table 1 to the letter, which the independent results are for."""
@@ -144,3 +150,25 @@ def test_a_small_bladed_disk_keeps_all_of_its_modes_by_default() -> None:
     assert kept == stage.disk.structure.size - 4 * 2 - 2 < 110
     again = build_beams(case_from(tomllib.loads(dumps_case(small))))
     assert again.case.reduction.fixed_interface_modes == kept
+
+
+def test_preparing_a_case_builds_each_array_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[str] = []
+
+    def counted(name: str, given: Callable[..., Any]) -> Callable[..., Any]:
+        def called(*args: Any, **options: Any) -> Any:
+            calls.append(name)
+            return given(*args, **options)
+
+        return called
+
+    built = {
+        beams: ("stage_arrays", "reduced_rotor", "foreshortening"),
+        build: ("excitation_loads", "initial_state"),
+        stage_module: ("coating_of", "in_cone"),
+    }
+    for module, names in built.items():
+        for name in names:
+            monkeypatch.setattr(module, name, counted(name, getattr(module, name)))
+    prepare(read_case(EXAMPLES / "abradable_coating.toml"))
+    assert sorted(calls) == sorted(name for names in built.values() for name in names)
