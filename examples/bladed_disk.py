@@ -50,6 +50,7 @@ part = bw.mesh3d(
     right="right",
     copies=SECTORS,
     speed="9000 rpm",
+    stress=True,
     name="bladed disk",
 )
 

@@ -32,6 +32,7 @@ part = bw.mesh3d(
     density="4430 kg/m3",
     contacts=5,
     speed="7000 rpm",
+    stress=True,
     name="twisted blade",
 )
 

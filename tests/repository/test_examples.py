@@ -47,7 +47,7 @@ def test_the_script_makes_the_file(name: str) -> None:
     assert made.name == kept.name
     for name in ("contact_position", "contact_dofs", "points", "triangles"):
         assert getattr(made, name) == pytest.approx(getattr(kept, name), rel=1e-12, abs=1e-15)
-    for name in ("mass", "stiffness", "recovery"):
+    for name in ("mass", "stiffness", "recovery", "stress_recovery"):
         largest = abs(getattr(kept, name)).max()
         assert abs(getattr(made, name) - getattr(kept, name)).max() <= 1e-10 * largest
 
