@@ -1,11 +1,13 @@
 """Values of blades from those of their contact nodes, which are listed blade by blade."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, tip_rows
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, contact_vectors
 from bladewhirl.postprocess.fields.lost_blades import masked
-from bladewhirl.postprocess.fields.result import portions, reduce_modes
+from bladewhirl.postprocess.fields.result import portions
 
 LARGE_DISPLACEMENT = 0.1
 """Displacement of a tip, divided by the length of the blade, above which a linear model is no
@@ -67,20 +69,16 @@ def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
     """Return the radial (0) or tangential (1) displacement of each contact node in rotating axes
     at every record [m], (time, contact_node), with the part of their own flexibility; nan for a
     blade that is lost."""
-    if "contact_displacement" in dataset:
-        stored = dataset["contact_displacement"].isel(direction=direction)
-        moved = np.concatenate([stored[portion].values for portion in portions(dataset)])
-        return masked(dataset, moved)
-    return masked(
-        dataset, reduce_modes(dataset, "rotor_displacement", tip_rows(dataset)[direction])
-    )
+    return masked(dataset, np.concatenate([moved[..., direction] for moved in _motions(dataset)]))
 
 
 def largest_contact_motion(dataset: xr.Dataset) -> Array:
-    """Return the largest displacement of each contact node at any record in each recorded direction
-    [m], (contact_node, direction)."""
-    stored = np.zeros((dataset.sizes["contact_node"], dataset.sizes["direction"]))
+    """Return the largest displacement of each contact node at any record in each direction [m],
+    (contact_node, 3)."""
+    return np.maximum.reduce([np.abs(moved).max(axis=0) for moved in _motions(dataset)])
+
+
+def _motions(dataset: xr.Dataset) -> Iterator[Array]:
+    """Yield the displacements of contact nodes for portions of the records."""
     for portion in portions(dataset):
-        moved = history(dataset, "contact_displacement", np.arange(portion.start, portion.stop))
-        stored = np.maximum(stored, np.abs(moved).max(axis=0))
-    return stored
+        yield contact_vectors(dataset, np.arange(portion.start, portion.stop))

@@ -128,9 +128,13 @@ class EnlargedWall:
         """Return inner and outer surface (station, side, 2) [m] of the drawn casing, with the
         largest depth that is removed in any track."""
         inner = self.inner(index, self.wear[index].max(axis=0, initial=0.0))
+        return np.stack([inner, self.outer(inner)], axis=1)
+
+    def outer(self, inner: Array) -> Array:
+        """Return the outer surface of a wall with an inner surface (station, 2) [m]."""
         tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
         outward = -rotate(unit(tangent), np.pi / 2)
-        return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)
+        return np.asarray(inner + self.wall_thickness[:, None] * outward)
 
     def wall_at_rest(self) -> Array:
         """Return the outer surface of the drawn casing at rest (station, 2) [m]."""

@@ -179,8 +179,9 @@ def contact_vectors(dataset: xr.Dataset, records: IntArray) -> Array:
     some records [m], (record, contact_node, 3), with the part of their own flexibility."""
     if "contact_displacement" in dataset:
         return history(dataset, "contact_displacement", records)
-    coordinates = history(dataset, "rotor_displacement", records)
-    return np.asarray(np.einsum("rm,dnm->rnd", coordinates, tip_rows(dataset)))
+    coordinates, rows = history(dataset, "rotor_displacement", records), tip_rows(dataset)
+    moved = coordinates @ rows.reshape(-1, rows.shape[-1]).T
+    return np.moveaxis(moved.reshape(len(records), *rows.shape[:2]), 1, 2)
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:

@@ -120,7 +120,7 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
     number = len(nodes) + np.arange(lines * stations).reshape(lines, stations)
     of_line = line_blades(dataset)
     members, member = member_names(dataset)
-    part = dataset["rotor_part"].values.astype(str)
+    part = dataset["rotor_part"].values.astype(str).tolist()
     parts = list(dict.fromkeys(part))
 
     def on_points(values: IntArray) -> IntArray:

@@ -1,4 +1,4 @@
-"""A rigid wall as a casing that does not move, for pictures of beams and for ParaView."""
+"""A rigid wall as a casing that does not move, for ParaView."""
 
 import numpy as np
 import xarray as xr
@@ -9,9 +9,9 @@ THICKNESS = 0.02  #: thickness of the drawn wall, divided by its radius
 
 
 def with_wall(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result of beams whose rigid wall is a casing with one mode, in which nothing moves;
-    other results are returned unchanged."""
-    if "casing_shape" in dataset or "rotor_line" not in dataset:
+    """Return a result whose rigid wall is a casing with one mode, in which nothing moves, and whose
+    width is zero, as it is not known; a result with a flexible casing is returned unchanged."""
+    if "casing_shape" in dataset:
         return dataset
     records = dataset.sizes["time"]
     size = THICKNESS * float(dataset.attrs["casing_radius"])
@@ -22,7 +22,7 @@ def with_wall(dataset: xr.Dataset) -> xr.Dataset:
         casing_displacement=(("time", "casing_mode"), still),
         casing_velocity=(("time", "casing_mode"), still),
         casing_thickness=("casing_node", along),
-        casing_width=("casing_node", along),
+        casing_width=("casing_node", 0.0 * along),
         casing_young_modulus=("casing_node", np.zeros(NODES)),
         casing_curvature=((), "exact"),
     )

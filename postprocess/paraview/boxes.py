@@ -26,11 +26,10 @@ from bladewhirl.postprocess.fields.strains import (
 )
 
 BEAM_PIECES = 2  #: number of pieces of a beam
-ARC_POINTS = 180  #: smallest number of pieces of the casing
+ARC_POINTS = 256  #: smallest number of pieces of the casing
 SIDES = np.array([0, 1, 1, 0])  #: side of each corner of a cross-section: 0 right, 1 left
 ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: axial positions of these corners, divided by the width
 
-LINE_ARC_POINTS = 360  #: smallest number of pieces of a casing drawn as lines
 LINE = np.zeros(1)  #: axial position of the only corner of a line
 
 

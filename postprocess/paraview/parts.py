@@ -1,12 +1,12 @@
-"""Grids of the parts of a stage at some records: bladed disk, casing, tips and supports.
+"""Grids of the parts of a stage at some records: bladed disk, wall, coating, tips and supports.
 
 The points of a grid are at their positions at rest, turned with the body. The array `displacement`
 has its true size. The array `warp` moves the points to their positions in a picture, see
 `EnlargedStage`: clearance and displacement are multiplied by one factor, so that bodies touch in
-ParaView exactly when they touch in the run. Lines and boxes have the same arrays.
+ParaView exactly when they touch in the run. Lines and boxes of beams have the same arrays.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,48 +15,44 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.plane import rotate
+from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
-from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
-from bladewhirl.postprocess.fields.lost_blades import lost_beams, lost_blades
+from bladewhirl.postprocess.fields.points import contact_nodes
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,
-    LINE_ARC_POINTS,
     SIDES,
     Boxes,
     casing_boxes,
     rotor_boxes,
 )
+from bladewhirl.postprocess.pictures.solids import CORNERS, tube, tube_triangles
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
-from bladewhirl.postprocess.run.wear import coating_of
 
-GRIDS = ("rotor", "casing", "contact", "supports")
 #: kinds of symbols that are written; struts include rigid links
 HOLDERS = ("springs", "dampers", "struts")
-PORTION = 300  #: largest number of records computed together
-PORTION_POINTS = 1_000_000  #: largest number of points computed together
+PORTION = 300  #: largest number of records for which drawn positions are prepared together
+UP = np.array([0.0, 0.0, 1.0])
 
 
 class StageParts:
-    """Grids of the parts `rotor`, `casing`, `contact` and, if there are any, `supports`.
+    """Grids of the parts `rotor`, `casing`, `contact` and, if there are any, `coating` and
+    `supports`.
 
     Args:
-        dataset: a result.
+        dataset: a result with a casing, see `with_wall`.
         records: numbers of records.
-        surface: true for boxes of true thickness and width, false for lines.
+        surface: true for boxes of true thickness and width of beams, false for lines.
         rotating: true for rotating axes, false for static axes.
         exaggeration: factor of clearance and displacement in `warp`; chosen when None, as for a
             picture of these records.
 
     Raises:
-        ViewError: the exaggeration is not positive.
+        ViewError: the exaggeration is not positive, or the stage has no points.
         ResultError: the result is of an old format without cross-sections.
     """
-
-    grid_names = GRIDS
 
     def __init__(
         self,
@@ -68,227 +64,236 @@ class StageParts:
         exaggeration: float | None = None,
     ) -> None:
         self._dataset, self._rotating = dataset, rotating
-        self._lost = lost_blades(dataset)
-        if self._lost is not None:
-            self._lost_lines = lost_beams(dataset, self._lost).lines
-        self.size = float(dataset.attrs["tip_radius"])  #: half the size of the stage [m]
-        beam_pieces, arc_points = (BEAM_PIECES, ARC_POINTS) if surface else (1, LINE_ARC_POINTS)
-        self._per_element = -(-arc_points // dataset.sizes["casing_node"])
-        self._per_line = beam_pieces
-        rotor, casing = rotor_boxes(dataset, beam_pieces), casing_boxes(dataset, arc_points)
-        self._bodies = [replace(body, solid=surface) for body in (rotor, casing)]
-        self._rest = [body.points() for body in self._bodies]
+        self._pieces = BEAM_PIECES if surface else 1
+        self._per_element = -(-ARC_POINTS // dataset.sizes["casing_node"])
         # In portions, so that memory does not grow with the number of records.
-        together = max(1, min(PORTION, PORTION_POINTS // sum(map(len, self._rest))))
-        self._portions = np.array_split(records, -(-len(records) // together))
+        self._portions = np.array_split(records, -(-len(records) // PORTION))
         stages = (self._enlarged(portion, exaggeration) for portion in self._portions)
         factors, largest = zip(*((s.factor, s.largest_displacement) for s in stages), strict=True)
         self.exaggeration: float = min(factors)
         self.largest_displacement: float = max(largest)  #: over all records [m]
-        self._nodes = dataset["rotor_point"].values
-        self._tips = dataset["tip_node"].values
-        front = float(dataset["rotor_width"].max()) / 2 * surface
-        self._tips_at_rest = np.pad(
-            self._nodes[self._tips], ((0, 0), (0, 1)), constant_values=front
-        )
-        parts = dict.fromkeys(map(str, dataset["rotor_part"].values))
+        #: the first record, with the true and with the enlarged clearance
+        self._still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
+        self._true = true = self._still[0]
+        self.body = body = true.body  #: points of the bladed disk at rest
+        self.size = true.size if body.flat else float(np.ptp(body.rest, axis=0).max()) / 2.0
+        """Half the size of the stage [m]."""
+        self._beams: Boxes | None = None
+        if body.flat:
+            self._beams = replace(rotor_boxes(dataset, self._pieces), solid=surface)
+        self._wall = casing_boxes(dataset, ARC_POINTS)
+        element, piece = np.arange(self._wall.shape[0])[:, None], np.arange(self._wall.shape[1])
+        #: station of the drawn wall at each station of each element
+        self._around = ((self._per_element * element + piece) % len(true.angle)).ravel()
+        self._strips = true.strips() if true.coating else []
+        self._clearance = float(dataset["clearance"].mean() + dataset["tip_recess"].mean())
+        self._front = np.zeros(3)
+        if body.flat:  # so that arrows are visible
+            self._front = float(dataset["rotor_width"].max()) / 2 * surface * UP
         #: names of parts; the array `part` contains positions in this list
-        self.names = [*(name or "other beams" for name in parts), "casing", *HOLDERS]
-        self._cells = [
-            {name: [body.on_cells(values)] for name, values in self._cell_data(body).items()}
-            for body in self._bodies
-        ]
-        self._faces = [body.quads() if surface else body.lines() for body in self._bodies]
-        still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
-        self._symbols = StageSymbols(dataset, still[0].angle)
+        self.names = [*body.parts, "casing", *HOLDERS]
+        self._symbols = StageSymbols(dataset, true.angle) if body.flat else None
         #: symbols at rest, with the true and with the enlarged clearance
-        outer = [stage.wall_at_rest() for stage in still]
-        self._still = [
-            self._symbols.drawn(wall, wall, np.zeros(2), stage.rest[:, :2])
-            for wall, stage in zip(outer, still, strict=True)
+        self._symbols_at_rest = [
+            self._symbols.drawn(outer, outer, np.zeros(2), each.rest[:, :2])
+            for each, outer in ((each, each.wall_at_rest()) for each in self._still)
+            if self._symbols is not None
         ]
+        self.grid_names = tuple(self._grids(self._still[1], 0, int(records[0])))
 
     def grids(self) -> Iterator[dict[str, meshio.Mesh]]:
         """Yield the grids of the parts, by name, for each record."""
         for records in self._portions:
             stage = self._enlarged(records, self.exaggeration)
-            ahead = stage.turns
-            turns = (0 * ahead, -ahead) if self._rotating else (ahead, 0 * ahead)
-            bodies = [
-                self._body_fields(boxes, rest, records, angle)
-                for boxes, rest, angle in zip(self._bodies, self._rest, turns, strict=True)
-            ]
-            tips = self._tip_fields(records, turns[0])
-            for index in range(len(records)):
-                wall, points = stage.wall(index), stage.points(index)
-                nodes, tips_drawn = points[:, :2], stage.contact_nodes(index)
-                drawn = self._drawn(stage, index, points, wall)
-                grids = {
-                    boxes.body: self._body(
-                        number,
-                        drawn[number],
-                        turns[number][index],
-                        fields,
-                        index,
-                        gone=bool(stage.gone[index]),
-                    )
-                    for number, (boxes, fields) in enumerate(zip(self._bodies, bodies, strict=True))
-                }
-                if "coating_strain" in self._dataset:
-                    remaining = self._remaining_thickness(records[[index]])
-                    grids["casing"].cell_data["remaining_thickness"] = [remaining]
-                tips_here = np.arange(len(self._tips))
-                if self._lost is not None and stage.gone[index]:
-                    tips_here = np.setdiff1d(tips_here, self._lost.blades)
-                grids["contact"] = self._contact(
-                    tips_drawn, turns[0][index], tips, index, tips_here
-                )
-                supports = self._supports(stage, index, wall, nodes, turns)
-                if supports is not None:
-                    grids["supports"] = supports
-                yield grids
+            for index, record in enumerate(records):
+                yield self._grids(stage, index, int(record))
+
+    def _grids(self, stage: EnlargedStage, index: int, record: int) -> dict[str, meshio.Mesh]:
+        ahead = float(stage.turns[index])
+        turn, back = (0.0, -ahead) if self._rotating else (ahead, 0.0)
+        points, wall = stage.points(index), stage.wall(index)
+        grids = {
+            "rotor": self._rotor(stage, index, record, turn, points, wall),
+            "casing": self._casing(stage, index, record, back),
+            "contact": self._contact(stage, index, record, turn),
+        }
+        if self._strips:
+            grids["coating"] = self._coating(stage, index, back)
+        supports = self._supports(stage, index, wall, points[:, :2], (back, turn))
+        return grids if supports is None else {**grids, "supports": supports}
 
     def _enlarged(self, records: IntArray, factor: float | None) -> EnlargedStage:
         return EnlargedStage(
             self._dataset,
             records,
             factor=factor,
-            pieces=self._per_line,
+            pieces=self._pieces,
             per_element=self._per_element,
         )
 
-    def _drawn(self, stage: EnlargedStage, index: int, points: Array, wall: Array) -> list[Array]:
-        """Return the drawn corners (corner, 2) [m] of rotor and casing, each in its own axes."""
-        pieces = np.arange(self._per_element + 1)
-        stations = self._per_element * np.arange(self._dataset.sizes["casing_node"])[:, None]
-        around = (stations + pieces) % len(wall)
-        if not self._bodies[0].solid:
-            line = stage.body.stations(points)[..., :2]
-            return [line.reshape(-1, 2), wall[around, 0].reshape(-1, 2)]
-        sides = stage.sides(index, points, wall)
-        return [sides[:, :, SIDES].reshape(-1, 2), wall[around][:, :, SIDES].reshape(-1, 2)]
+    def _rotor(
+        self, stage: EnlargedStage, index: int, record: int, turn: float, points: Array, wall: Array
+    ) -> meshio.Mesh:
+        """Return the bladed disk at a record, turned by an angle [rad], without lost cells."""
+        dataset, body, boxes, records = self._dataset, stage.body, self._beams, np.array([record])
+        spin = 0.0 if self._rotating else rotation.speeds(dataset)[record]
+        lost = body.lost if stage.gone[index] else body.lost[:0]
+        if boxes is None:
+            moved, rate = (
+                body.moved(dataset[f"rotor_{name}"][record].values)
+                for name in ("displacement", "velocity")
+            )
+            recovered = {
+                field.name.lower().replace(" ", "_"): field.at(records)[0, :, 0]
+                for field in body.recovered.values()
+            }
+            fields = _fields(body.rest, moved, rate + spin * np.cross(UP, moved), turn, recovered)
+            kept = ~np.isin(body.cells, lost).all(axis=1)
+            kind = {1: "vertex", 3: "triangle"}[body.cells.shape[1]]
+            rest, drawn, cells = body.rest, points, body.cells
+            of_cells = {"part": body.part[cells[:, 0]], "blade": body.blade[cells[:, 0]]}
+        else:
+            rest, line = boxes.points(), body.stations(points)
+            sides = stage.sides(index, points, wall)[:, :, SIDES] if boxes.solid else line[..., :2]
+            drawn = np.column_stack([sides.reshape(-1, 2), rest[:, 2]])
+            fields = self._strained(boxes, rest, records, spin, turn)
+            element = {
+                "part": body.stations(body.part)[:, 0],
+                "blade": body.stations(body.blade)[:, 0],
+                "thickness": dataset["rotor_thickness"].values,
+            }
+            gap = history(dataset, "gap", records)[0]
+            of_lines = np.where(element["blade"] >= 0, gap[element["blade"]], self._clearance)
+            fields["gap"] = np.repeat(of_lines, len(rest) // len(of_lines))
+            first = len(body.rest) - body.thickness.size
+            gone = np.isin(first + len(line[0]) * np.arange(len(line)), lost)
+            kept = boxes.on_cells(~gone)
+            kind, cells = ("quad", boxes.quads()) if boxes.solid else ("line", boxes.lines())
+            of_cells = {name: boxes.on_cells(values) for name, values in element.items()}
+        fields["warp"] = rotate(drawn - rest, turn)
+        shown = {name: [values[kept]] for name, values in of_cells.items()}
+        return meshio.Mesh(rotate(rest, turn), [(kind, cells[kept])], fields, shown)
 
-    def _body_fields(
-        self, boxes: Boxes, rest: Array, records: IntArray, angle: Array
+    def _strained(
+        self, boxes: Boxes, rest: Array, records: IntArray, spin: float, turn: float
     ) -> dict[str, Array]:
-        """Return the fields of a body on points (record, corner, ...), as in `series.export_vtk`.
-
-        The field `gap` [m] of the rotor is the gap at the tip of a blade for all points of the
-        blade, and the mean clearance for all other points.
-        """
-        dataset, count = self._dataset, len(records)
-        moved = boxes.vectors(dataset, "displacement", records)
-        turning = (boxes.body == "rotor") != self._rotating
-        sense = (1.0 if boxes.body == "rotor" else -1.0) * turning
-        spin = sense * rotation.speeds(dataset)[records][:, None, None]
-        rate = boxes.vectors(dataset, "velocity", records) + spin * rotate(moved, np.pi / 2)
-        strains, modulus = boxes.strains(dataset, records), boxes.modulus
+        """Return the fields of beams or of the wall on corners (corner, ...) at a record, as in
+        `series.export_vtk`, in axes of the series that have turned by an angle [rad]."""
+        moved, rate = (
+            np.pad(boxes.vectors(self._dataset, name, records)[0], ((0, 0), (0, 1)))
+            for name in ("displacement", "velocity")
+        )
+        strains, modulus = boxes.strains(self._dataset, records), boxes.modulus
         bend = strains.bending[..., None] * np.where(SIDES == 0, 1.0, -1.0)
         if not boxes.solid:  # a line has the stress of the surface with the larger magnitude
             bend = np.copysign(strains.bending, strains.axial)[..., None]
         surface = strains.axial[..., None] + bend
         corners = len(rest) // strains.axial[0].size
-        fields = {
-            "displacement": _in_space(rotate(moved, angle[:, None])),
-            "velocity": _in_space(rotate(rate, angle[:, None])),
-            "radial_displacement": kinematics.radial_part(moved, rest[None, :, :2]),
-            "surface_stress": (modulus[..., None] * surface).reshape(count, -1),
-        }
+        recovered = {"surface_stress": (modulus[..., None] * surface).ravel()}
         for name, strain in (("axial", strains.axial), ("bending", strains.bending)):
             for kind, values in (("strain", strain), ("stress", modulus * strain)):
-                fields[f"{name}_{kind}"] = np.repeat(values.reshape(count, -1), corners, axis=1)
-        if boxes.body == "rotor":
-            blade, gap = line_blades(dataset), history(dataset, "gap", records)
-            clearance = float(dataset["clearance"].mean() + dataset["tip_recess"].mean())
-            of_lines = np.where(blade >= 0, gap[:, blade], clearance)
-            fields["gap"] = np.repeat(of_lines, len(rest) // len(blade), axis=1)
-        return fields
+                recovered[f"{name}_{kind}"] = np.repeat(values.ravel(), corners)
+        return _fields(rest, moved, rate + spin * np.cross(UP, moved), turn, recovered)
 
-    def _body(
+    def _casing(self, stage: EnlargedStage, index: int, record: int, turn: float) -> meshio.Mesh:
+        """Return the wall without its coating as a solid ring, turned by an angle [rad]."""
+        boxes = self._wall
+        faces = [self._face(stage, index, stage.coating, outer=outer) for outer in (False, True)]
+        rest, drawn = self._ring(stage, faces, stage.edges, self._around)
+        spin = -rotation.speeds(self._dataset)[record] if self._rotating else 0.0
+        fields = self._strained(boxes, rest, np.array([record]), spin, turn)
+        fields["warp"] = rotate(drawn - rest, turn)
+        elements = boxes.shape[0]
+        of_cells = {
+            "part": np.full(elements, self.names.index("casing")),
+            "blade": np.full(elements, -1),
+            "thickness": self._dataset["casing_thickness"].values,
+        }
+        return meshio.Mesh(
+            rotate(rest, turn),
+            [("quad", boxes.quads())],
+            fields,
+            {name: [boxes.on_cells(values)] for name, values in of_cells.items()},
+        )
+
+    def _coating(self, stage: EnlargedStage, index: int, turn: float) -> meshio.Mesh:
+        """Return the strips of the coating, turned by an angle [rad], with the depth `wear` that is
+        removed from each track and the number of the track, -1 beside the tracks."""
+        stations = np.arange(len(stage.angle))
+        metal, new = (
+            self._face(stage, index, depth, outer=False) for depth in (stage.coating, 0.0)
+        )
+        moved = np.pad(stage.ring_displacement[index], ((0, 0), (0, 1)))
+        places, shifts, cells, tracks = (list[NDArray[Any]]() for _ in range(4))
+        fields = list[dict[str, Array]]()
+        for track, *edges in self._strips:
+            depth = stage.wear[index, track] if track >= 0 else np.zeros(len(stage.angle))
+            worn = new[0], self._face(stage, index, depth, outer=False)[1]
+            rest, drawn = self._ring(stage, [worn, metal], edges, stations)
+            cells.append(len(rest) * len(places) + tube_triangles(len(depth), ring=True)[:, ::-1])
+            tracks.append(np.full(len(cells[-1]), track))
+            left = np.repeat(np.stack([depth, stage.coating - depth]), CORNERS, axis=1)
+            whole = np.repeat(moved, CORNERS, axis=0)
+            names = dict(zip(("wear", "remaining_thickness"), left, strict=True))
+            fields.append(_fields(rest, whole, None, turn, names))
+            places.append(rest)
+            shifts.append(drawn - rest)
+        joined = {name: np.concatenate([each[name] for each in fields]) for name in fields[0]}
+        joined["warp"] = rotate(np.concatenate(shifts), turn)
+        return meshio.Mesh(
+            rotate(np.concatenate(places), turn),
+            [("triangle", np.concatenate(cells))],
+            joined,
+            {"track": [np.concatenate(tracks)]},
+        )
+
+    def _face(
+        self, stage: EnlargedStage, index: int, depth: Array | float, *, outer: bool
+    ) -> tuple[Array, Array]:
+        """Return a face of the wall at rest, in true size, and as it is drawn (station, 2) [m]: the
+        inner face where a depth of the coating is removed, or the outer face."""
+        true = self._true
+        rest = (true.inner_radius + depth)[:, None] * directions(true.angle)
+        moved = stage.inner(index, depth)
+        return (true.outer(rest), stage.outer(moved)) if outer else (rest, moved)
+
+    def _ring(
         self,
-        number: int,
-        drawn: Array,
-        angle: float,
-        fields: dict[str, Array],
-        index: int,
-        *,
-        gone: bool,
-    ) -> meshio.Mesh:
-        """Return the grid of bladed disk or casing; `drawn` contains its drawn corners (corner, 2)
-        in the axes of the body [m]. If lost blades are `gone`, their cells are left out."""
-        rest, boxes = self._rest[number], self._bodies[number]
-        kept = np.ones(len(self._faces[number]), dtype=np.bool_)
-        if boxes.body == "rotor" and self._lost is not None and gone:
-            kept = boxes.on_cells(~np.isin(np.arange(boxes.shape[0]), self._lost_lines))
-        return meshio.Mesh(
-            points=rotate(rest, angle),
-            cells=[("quad" if boxes.solid else "line", self._faces[number][kept])],
-            point_data={
-                "warp": _in_space(rotate(drawn - rest[:, :2], angle)),
-                **{name: values[index] for name, values in fields.items()},
-            },
-            cell_data={name: [each[0][kept]] for name, each in self._cells[number].items()},
-        )
+        stage: EnlargedStage,
+        faces: Sequence[tuple[Array, Array]],
+        edges: Sequence[float],
+        stations: IntArray,
+    ) -> list[Array]:
+        """Return the corners (corner, 3) [m] of stations of a ring between two faces and two axial
+        positions [m], in the order of those of `Boxes`, at rest and as they are drawn."""
+        places = []
+        for each, face in ((self._true, 0), (stage, 1)):
+            (low, high), (first, last) = (side[face][stations] for side in faces), edges
+            around = ((low, first), (high, first), (high, last), (low, last))
+            places.append(tube(*(each.wall_edge(*corner) for corner in around)))
+        return places
 
-    def _cell_data(self, boxes: Boxes) -> dict[str, NDArray[Any]]:
-        """Return the numbers `part` and `blade` (-1 for no blade) and `thickness` [m] of every
-        element."""
-        dataset = self._dataset
-        if boxes.body == "casing":
-            elements = dataset.sizes["casing_node"]
-            part, blade = np.full(elements, self.names.index("casing")), np.full(elements, -1)
-        else:
-            names = dataset["rotor_part"].values.astype(str)
-            part = np.array([self.names.index(name or "other beams") for name in names])
-            blade = line_blades(dataset)
-        return {
-            "part": part,
-            "blade": blade,
-            "thickness": dataset[f"{boxes.body}_thickness"].values,
+    def _contact(self, stage: EnlargedStage, index: int, record: int, turn: float) -> meshio.Mesh:
+        """Return the contact nodes that are not lost, turned by an angle [rad]."""
+        dataset, records = self._dataset, np.array([record])
+        rest, angle = contact_nodes(dataset) + self._front, dataset["tip_angle"].values
+        moved = rotate(kinematics.contact_vectors(dataset, records)[0], angle)
+        rows = kinematics.tip_rows(dataset) @ dataset["rotor_velocity"][record].values
+        spin = 0.0 if self._rotating else rotation.speeds(dataset)[record]
+        rate = rotate(rows.T, angle) + spin * np.cross(UP, moved)
+        force = kinematics.contact_forces(dataset, records, rotating=self._rotating)[0]
+        blade = dataset["blade"].values
+        lost = stage.body.blade[stage.body.lost] if stage.gone[index] else np.zeros(0, np.int64)
+        kept = np.flatnonzero(~np.isin(blade, lost))
+        fields = {
+            "displacement": rotate(moved, turn),
+            "velocity": rotate(rate, turn),
+            "gap": dataset["gap"][record].values,
+            "contact_force": np.pad(force, ((0, 0), (0, 3 - force.shape[1]))),
+            "warp": rotate(stage.contact_nodes(index) + self._front - rest, turn),
         }
-
-    def _remaining_thickness(self, record: IntArray) -> Array:
-        """Return the thickness of the coating that is left on every cell of the casing [m]."""
-        dataset, boxes = self._dataset, self._bodies[1]
-        coating = coating_of(dataset)
-        station = kinematics.station_angles(dataset, boxes.shape[1] - 1)
-        middle = (station[:, 1:] + station[:, :-1]) / 2.0
-        strain = kinematics.coating_strain_at(dataset, record, middle.ravel())[0]
-        return boxes.on_cells(coating.thickness * (1.0 - strain.reshape(middle.shape)))
-
-    def _tip_fields(self, records: IntArray, angle: Array) -> dict[str, Array]:
-        dataset = self._dataset
-        rows = dataset["rotor_shape"].values[self._tips, :2]
-        moved, rate = (
-            kinematics.combine(history(dataset, f"rotor_{quantity}", records), rows)
-            for quantity in ("displacement", "velocity")
-        )
-        spin = (0.0 if self._rotating else 1.0) * rotation.speeds(dataset)[records]
-        rate += spin[:, None, None] * rotate(moved, np.pi / 2)
-        return {
-            "displacement": _in_space(rotate(moved, angle[:, None])),
-            "velocity": _in_space(rotate(rate, angle[:, None])),
-            "gap": history(dataset, "gap", records),
-            "contact_force": _in_space(
-                kinematics.contact_forces(dataset, records, rotating=self._rotating)
-            ),
-        }
-
-    def _contact(
-        self, nodes: Array, angle: float, fields: dict[str, Array], index: int, blade: IntArray
-    ) -> meshio.Mesh:
-        """Return the grid of the tips of some blades with contact forces. The points lie on the
-        front of the blades, so that arrows are visible."""
-        rest = self._tips_at_rest
-        return meshio.Mesh(
-            points=rotate(rest, angle),
-            cells=[("vertex", blade[:, None])],
-            point_data={
-                "warp": _in_space(rotate(nodes[:, :2] - rest[:, :2], angle)),
-                **{name: values[index] for name, values in fields.items()},
-            },
-            cell_data={"blade": [blade]},
-        )
+        cells = [("vertex", kept[:, None])]
+        return meshio.Mesh(rotate(rest, turn), cells, fields, {"blade": [blade[kept]]})
 
     def _supports(
         self,
@@ -296,24 +301,21 @@ class StageParts:
         index: int,
         wall: Array,
         nodes: Array,
-        turns: tuple[Array, Array],
+        angles: tuple[float, float],
     ) -> meshio.Mesh | None:
         """Return springs, dampers, struts and links as lines; None if the stage has none of these.
 
         An end that is attached to a body has the `warp` of the body, and the `displacement` of the
         body except for terms of second order in the displacement.
         """
-        angles = float(turns[1][index]), float(turns[0][index])
-        moved = self._symbols.drawn(
-            wall[:, 1],
-            stage.wall_at_rest(),
-            stage.factor * stage.centre[index],
-            nodes,
-            float(stage.turns[index]),
-        )
+        if self._symbols is None:
+            return None
+        centre = stage.factor * stage.centre[index]
+        ahead = float(stage.turns[index])
+        moved = self._symbols.drawn(wall[:, 1], stage.wall_at_rest(), centre, nodes, ahead)
         rest, enlarged, drawn = (
             [getattr(self._symbols.together(symbols, *angles), name) for name in HOLDERS]
-            for symbols in (*self._still, moved)
+            for symbols in (*self._symbols_at_rest, moved)
         )
         count = [len(strokes) for strokes in rest]
         if not sum(count):
@@ -329,6 +331,19 @@ class StageParts:
             },
             cell_data={"part": [first + np.repeat(np.arange(len(HOLDERS)), count)]},
         )
+
+
+def _fields(
+    rest: Array, moved: Array, rate: Array | None, turn: float, others: dict[str, Array]
+) -> dict[str, NDArray[Any]]:
+    """Return displacement, radial displacement and velocity of points, in axes that have turned by
+    an angle [rad], and other fields."""
+    fields = {
+        "displacement": rotate(moved, turn),
+        "radial_displacement": kinematics.radial_part(moved[:, :2], rest[:, :2]),
+        **others,
+    }
+    return fields if rate is None else {**fields, "velocity": rotate(rate, turn)}
 
 
 def _in_space(vectors: Array) -> Array:

@@ -27,7 +27,6 @@ from bladewhirl.postprocess.fields.kinematics import (
     sampling_hint,
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
-from bladewhirl.postprocess.paraview.node_parts import NodeParts
 from bladewhirl.postprocess.paraview.parts import StageParts
 from bladewhirl.postprocess.pictures.bodies import TOWARDS
 from bladewhirl.postprocess.pictures.colouring import is_normalised
@@ -59,20 +58,27 @@ def export_vtk(
 
     If the numbers of the `records` are given, `frames`, `start` and `end` are not used.
 
-    Parts are `rotor`, `casing`, `contact` (the tips) and `supports` (springs, dampers, struts and
-    links as lines). Points are at their undeformed positions; the points of the rotor are turned by
-    Omega t. All fields have their true size:
+    Parts are `rotor`, the bladed disk: lines, with `surface` boxes of the true thickness and width
+    of beams, or the points and triangles of a superelement; `casing`, the wall without its coating
+    as a solid ring; `contact`, the contact nodes; `coating`, in strips, one for each axial track;
+    and `supports`: springs, dampers, struts and links as lines. Points are at their undeformed
+    positions; the points of the rotor are turned by Omega t. All fields have their true size:
 
     * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of the
-      displacement vector, without the velocity due to the rotation of the undeformed disk.
+      displacement vector, without the velocity due to the rotation of the undeformed disk; that of
+      contact nodes is without the part of their own flexibility.
     * `radial_displacement` [m]: displacement along the outward radius; zero at the centre.
-    * `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa] (`strains`), and
-      `surface_stress` [Pa], the sum of axial and bending stress at the surface; for lines, at the
-      side with the larger sum.
-    * `gap` [m]: on a blade, the smallest gap of its tip since the previous record; on other parts
-      of the rotor the clearance, so that a threshold filter selects the blades in contact.
+    * of beams and of the wall `axial_strain`, `bending_strain` [1], `axial_stress`,
+      `bending_stress` [Pa] (`strains`), and `surface_stress` [Pa], the sum of axial and bending
+      stress at the surface; for lines, at the side with the larger sum. Of a superelement whose
+      file gives the recovery of stress, `von_mises_stress` [Pa].
+    * `gap` [m]: at contact nodes, the smallest gap since the previous record; on beams of a blade
+      that of its tip, on other beams the clearance, so that a threshold filter selects the blades
+      in contact.
     * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
       time between the records, as a vector (normal inward, positive friction towards -theta).
+    * on `coating`: `wear`, the removed depth, and `remaining_thickness` [m], and the number
+      `track`, -1 beside the tracks.
     * on cells: the numbers `part` and `blade` (-1 for no blade), and `thickness` [m].
 
     `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp
@@ -80,20 +86,9 @@ def export_vtk(
     (chosen when None); in this view bodies touch exactly when they touch in the run. With
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
-    For a superelement with points, the part `blades` has the points and triangles of its file,
-    `contact` the contact nodes, `casing` the wall as a solid ring, rigid or flexible, and `coating`
-    its coating in strips, one for each axial track; they have `displacement` and `warp`, all but
-    contact nodes also `radial_displacement`, the coating `wear` and `remaining_thickness` [m] and
-    the number `track` (-1 beside the tracks), blades `velocity` and,
-    if their file gives the recovery of stress, `von_mises_stress` [Pa], contact nodes `gap` and
-    `contact_force`; blades and contact nodes have the number `blade`, on a wheel that of the
-    nearest contact node.
-
-    With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
-    `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all
-    vectors are in rotating axes. Frames of an earlier export are removed; files that are not listed
-    in the manifest of the folder are replaced only with
-    `overwrite`. `progress` is called with the number of finished frames and the number of frames.
+    With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
+    all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
+    listed in the manifest of the folder are replaced only with `overwrite`. `progress` is called with the number of finished frames and the number of frames.
 
     Raises:
         ViewError: no record lies in the time window, or the number of frames or the exaggeration is
@@ -107,10 +102,9 @@ def export_vtk(
         if hint := sampling_hint(dataset, records):
             logger.info(hint)
     look: dict[str, Any] = {"surface": surface, "rotating": rotating, "exaggeration": exaggeration}
-    kind = StageParts if "rotor_line" in dataset else NodeParts
-    parts: StageParts | NodeParts = kind(dataset, records, **look)
+    parts = StageParts(dataset, records, **look)
     others: dict[str, meshio.Mesh | str] = {"view.py": view_script(_about(dataset, records, parts))}
-    if "rotor_line" in dataset:
+    if parts.body.flat:
         others["mesh.vtu"] = undeformed_mesh(dataset)
     return write_series(
         Path(directory),
@@ -199,7 +193,7 @@ def _write_index(path: Path, entries: list[str]) -> None:
     )
 
 
-def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts | NodeParts) -> dict[str, Any]:
+def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
     """Return the description of the series for view.py: title, first instant to show, sizes, names
     of the parts."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
@@ -212,7 +206,7 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts | NodeParts
         "largest_displacement": parts.largest_displacement,
         "largest_force": float(force.max()),
         "size": parts.size,
-        "towards": TOWARDS["axial" if isinstance(parts, StageParts) else "oblique"],
+        "towards": TOWARDS["axial" if parts.body.flat else "oblique"],
         "parts": parts.names,
         "scale": "displacement [m]" + ", arbitrary" * is_normalised(dataset),
     }

@@ -10,6 +10,7 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.instants import instants
@@ -151,14 +152,11 @@ def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
     ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
     if LOSS in dataset.attrs:
         ran.append(("loss", str(dataset.attrs[LOSS]), ""))
-    if "contact_displacement" in dataset:
-        moved = zip(
-            dataset["direction"].values, largest_contact_motion(dataset).max(0), strict=True
-        )
-        ran += [
-            (f"largest recorded {way} displacement", handy(float(far), "m", 4), "")
-            for way, far in moved
-        ]
+    ran += [
+        (f"largest recorded {way} displacement of a tip", handy(float(far), "m", 4), "")
+        for way, far in zip(DIRECTIONS, largest_contact_motion(dataset).max(0), strict=True)
+        if far
+    ]
     if "centre_shape" not in dataset:
         return [*ran, blades]
     orbit = shaft_orbit(dataset)

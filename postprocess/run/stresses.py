@@ -18,9 +18,9 @@ from scipy.spatial import KDTree
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
+from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.fields.points import Points, contact_nodes, points_of
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
@@ -149,6 +149,9 @@ def stress_history(
         distance from contact nodes is more than a tenth of the length of a blade, with the stress
         of steady rotation if the case has effects of rotation; the other variables are nan.
 
+    Raises:
+        ViewError: the file of a superelement gives no recovery of stress.
+
     Example:
         ``stress_history(result)["largest_stress"].sel(member="blade 3").plot()``
     """
@@ -190,9 +193,9 @@ def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
 def about(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the measure of the largest stress of the bladed disk, that of beam theory or the von
     Mises stress at the surface of solids, and whether it has the stress of steady rotation."""
-    solid = has_stresses(dataset)
+    measures = "von Mises stress away from contact nodes", "beam theory"
     return {
-        "measure": "von Mises stress away from contact nodes" if solid else "beam theory",
+        "measure": measures[points_of(dataset, 1).flat],
         "steady": int("steady_stress" in dataset),
     }
 
@@ -200,7 +203,9 @@ def about(dataset: xr.Dataset) -> dict[str, Any]:
 def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     """Return the names of the members of both bodies, and the bodies."""
     points = points_of(dataset, 1)
-    rotor = _solid(dataset, points) if has_stresses(dataset) else _beams(dataset, points)
+    if "stress" not in points.recovered:
+        raise ViewError("expected beams, or a superelement whose file has stress_recovery")
+    rotor = _beams(dataset, points) if points.flat else _solid(dataset, points)
     used = np.unique(points.member[points.member >= 0])
     names = [points.members[number] for number in used]
     bodies = [rotor._replace(columns=np.searchsorted(used, rotor.columns))]

@@ -186,7 +186,7 @@ def export(
 
     Args:
         frames: Number of instants, evenly spaced.
-        surface: Write boxes of true thickness and width instead of lines.
+        surface: Write beams as boxes of true thickness and width instead of lines.
         exaggeration: Factor on displacement and clearance in the field warp; automatic by default.
         output: Folder to write; by default DIR/vtk.
     """

@@ -16,7 +16,8 @@ import bladewhirl as bw
 from bladewhirl.meshes.plane import unit
 from bladewhirl.postprocess.fields.kinematics import ViewError, contact_forces
 from bladewhirl.postprocess.fields.points import points_of
-from bladewhirl.postprocess.paraview.node_parts import NodeParts
+from bladewhirl.postprocess.fields.rigid_wall import with_wall
+from bladewhirl.postprocess.paraview.parts import StageParts
 from bladewhirl.postprocess.pictures.appearance import time_text
 from bladewhirl.postprocess.pictures.bodies import TOWARDS, WALL_STATIONS
 from bladewhirl.postprocess.pictures.drawing import Drawing
@@ -53,7 +54,8 @@ def single(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
 
 
 def series(dataset: xr.Dataset, records: Any, *, rotating: bool = True) -> list[Any]:
-    return [*NodeParts(dataset, records, surface=False, rotating=rotating).grids()]
+    parts = StageParts(with_wall(dataset), records, surface=False, rotating=rotating)
+    return [*parts.grids()]
 
 
 @pytest.mark.parametrize("frame", ["static", "rotating"])
@@ -81,7 +83,7 @@ def test_points_swing_along_arcs_and_have_the_true_colour(three: xr.Dataset) -> 
     drawing = Drawing(three, RECORDS, exaggeration=FACTOR, frame="rotating")
     stage: Any = drawing._stage
     for index, grids in enumerate(series(three, RECORDS)):
-        mesh = grids["blades"]
+        mesh = grids["rotor"]
         moved = mesh.point_data["displacement"]
         values = drawing.picture(index).surface.values
         np.testing.assert_allclose(values, np.linalg.norm(moved, axis=1), rtol=1e-12)
@@ -215,14 +217,14 @@ def test_the_series_has_the_wall_as_a_solid_and_the_wear_of_each_track(
     single: xr.Dataset,
 ) -> None:
     """Points at rest have their true size; tips touch the drawn wall where they touch the wall."""
-    (grids,) = NodeParts(
-        worn(single), RECORDS[2:], surface=False, rotating=False, exaggeration=FACTOR
+    (grids,) = StageParts(
+        with_wall(worn(single)), RECORDS[2:], surface=False, rotating=False, exaggeration=FACTOR
     ).grids()
     casing, coating = grids["casing"], grids["coating"]
     corner = np.hypot(*casing.points[:, :2].T).reshape(-1, 4)
     clearance = corner[:, 0] - THICKNESS - single["contact_radius"].values.max()
     assert clearance.max() == pytest.approx(CLEARANCE + LOBE, rel=1e-3)
-    assert (corner[:, 2] > corner[:, 1]).all()
+    assert (corner[:, 1] > corner[:, 0]).all()
     track, cells = coating.cell_data["track"][0], coating.cells[0].data
     for number, share in enumerate(WORN):
         wear = coating.point_data["wear"][cells[track == number]]
@@ -230,7 +232,9 @@ def test_the_series_has_the_wall_as_a_solid_and_the_wear_of_each_track(
     assert not coating.point_data["wear"][cells[track == -1]].any()
     whole = coating.point_data["wear"] + coating.point_data["remaining_thickness"]
     assert whole == pytest.approx(THICKNESS)
-    plain = NodeParts(single, RECORDS[2:], surface=False, rotating=True, exaggeration=FACTOR)
+    plain = StageParts(
+        with_wall(single), RECORDS[2:], surface=False, rotating=True, exaggeration=FACTOR
+    )
     assert "coating" not in plain.grid_names
     (grids,) = plain.grids()
     nodes, wall = (
@@ -256,7 +260,7 @@ def test_fields_of_surfaces(three: xr.Dataset, colour: Any, unit: str) -> None:
     assert colouring.unit in (unit, "µm")
     if colour == "velocity":
         both = series(three, np.array([39, 41]), rotating=False)
-        before, after = (grids["blades"] for grids in both)
+        before, after = (grids["rotor"] for grids in both)
         moved = after.point_data["displacement"] - before.point_data["displacement"]
         rate = np.linalg.norm(moved, axis=1) / float(three["time"][41] - three["time"][39])
         np.testing.assert_allclose(colouring.points[1, :, 0], rate, atol=0.1 * rate.max())

@@ -84,7 +84,7 @@ def test_a_run_records_contact_nodes_and_closes_the_ledger(run: Run) -> None:
             displacement(result, 99)
     names = {path.name for path in run.directory.iterdir()}
     assert {"case.toml", "superelement.npz", "result.nc", "summary.json", "vtk"} <= names
-    assert len(list((run.directory / "vtk" / "frames").glob("blades_*.vtu"))) == 3
+    assert len(list((run.directory / "vtk" / "frames").glob("rotor_*.vtu"))) == 3
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
@@ -216,7 +216,6 @@ def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> 
         ("plot RUN orbit", "figure 'orbit': expected a result with centre_shape"),
         ("plot RUN casing", "figure 'casing': expected a result with casing_displacement"),
         ("render RUN --orbit", "expected a result with centre_shape"),
-        ("export RUN --surface", "not for a superelement, whose file contains its surface"),
         ("veering RUN/case.toml", "this blade has no centre that can be free or clamped"),
         ("stability RUN/case.toml", "join the wall to one tip of each blade"),
         ("critical-speeds RUN/case.toml", "this blade has no centre that whirls"),
@@ -408,10 +407,13 @@ def test_a_series_of_blades_has_a_view_and_the_names_of_beams(
     folder = tmp_path / "vtk"
     printed = answer("export", run.directory, "--frames", "5", "-o", folder).stdout
     assert "5 instants from 0 s" in printed
-    blades = meshio.read(folder / "frames" / "blades_00000.vtu")
-    assert np.bincount(blades.point_data["blade"]).tolist() == [18, 18, 18]
-    nodes = meshio.read(folder / "frames" / "contact_00000.vtu").point_data
-    assert {"displacement", "warp", "contact_force", "blade", "gap"} == set(nodes)
+    rotor = meshio.read(folder / "frames" / "rotor_00000.vtu")
+    triangles = np.bincount(rotor.cell_data["blade"][0])
+    assert (triangles == triangles[0]).all()
+    assert len(triangles) == 3
+    nodes = meshio.read(folder / "frames" / "contact_00000.vtu")
+    assert {"displacement", "velocity", "warp", "contact_force", "gap"} == set(nodes.point_data)
+    assert nodes.cell_data["blade"][0].tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
     simple = MagicMock()
     simple.GetParaViewVersion.return_value = (5, 11)
     monkeypatch.setitem(sys.modules, "paraview", MagicMock(simple=simple))

@@ -99,8 +99,8 @@ def test_figures_of_the_wear(whole: Path, name: str) -> None:
 def test_the_series_has_the_remaining_thickness(whole: Path, tmp_path: Path) -> None:
     with bw.open_result(whole) as result:
         bw.export_vtk(result, tmp_path / "vtk", frames=2)
-    file = sorted((tmp_path / "vtk" / "frames").glob("casing*"))[-1]
-    remaining = meshio.read(file).cell_data["remaining_thickness"][0]
+    file = sorted((tmp_path / "vtk" / "frames").glob("coating*"))[-1]
+    remaining = meshio.read(file).point_data["remaining_thickness"]
     assert 0.0 < remaining.min() < remaining.max() <= 5e-3
 
 
