@@ -75,7 +75,7 @@ def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
 def largest_contact_motion(dataset: xr.Dataset) -> Array:
     """Return the largest displacement of each contact node at any record in each direction [m],
     (contact_node, 3)."""
-    return np.maximum.reduce([np.abs(moved).max(axis=0) for moved in _motions(dataset)])
+    return np.asarray(np.max([np.abs(moved).max(axis=0) for moved in _motions(dataset)], axis=0))
 
 
 def _motions(dataset: xr.Dataset) -> Iterator[Array]:

@@ -88,7 +88,8 @@ def export_vtk(
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
     all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
-    listed in the manifest of the folder are replaced only with `overwrite`. `progress` is called with the number of finished frames and the number of frames.
+    listed in the manifest of the folder are replaced only with `overwrite`. `progress` is called
+    with the number of finished frames and the number of frames.
 
     Raises:
         ViewError: no record lies in the time window, or the number of frames or the exaggeration is
