@@ -19,6 +19,7 @@ from bladewhirl.meshes.files import abaqus_faces, abaqus_reader, ansys, nastran_
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import FIXED_PHRASES, KINDS, TABLE_ERRORS, tables_in
 from bladewhirl.models.inputs.errors import toml_value
+from bladewhirl.models.inputs.rules import Rule, Section, sections
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import (
@@ -53,6 +54,50 @@ def case_keys() -> str:
             suffix = f" ({kind})" if kind else ""
             parts.append("".join(_entries(table, name, suffix)))
     return "".join(parts)
+
+
+def rules() -> str:
+    """Return a table of the rules between keys for each table of a case."""
+    places: dict[str, list[str]] = {"Case": [""], "Excitation": ["excitation"]}
+    for key, kinds in KINDS.items():
+        places |= {table.__name__: [f"{key}, type {kind}"] for kind, table in kinds.items()}
+    _find_places(Case, "", places)
+    return "".join(_rules(name, section, places) for name, section in sections().items())
+
+
+def _find_places(table: type[Table], place: str, places: dict[str, list[str]]) -> None:
+    """Add the dotted keys of all tables in a table, by the names of their classes and bases."""
+    for attribute, field in table.model_fields.items():
+        key = f"{place}.{field.alias or attribute}".removeprefix(".")
+        for inner in tables_in(field.annotation):
+            for kind in inner.__mro__[: inner.__mro__.index(Table)]:
+                known = places.setdefault(kind.__name__, [])
+                if not any(place.startswith(f"{key},") or place == key for place in known):
+                    known.append(key)
+            _find_places(inner, key, places)
+
+
+def _rules(name: str, section: Section, places: Mapping[str, list[str]]) -> str:
+    kind, _, rest = name.partition(" ")
+    title = ", ".join(places[kind]).strip() or "Between tables"
+    rows = (
+        f"| `{rule.key.replace('{each}', 'KEY')}` | `{rule.condition}` | {_expectation(rule)} |\n"
+        for rule in section.rules
+    )
+    remark = f"{section.remark}.\n\n" if section.remark else ""
+    table = "| key | refused if | expected |\n|---|---|---|\n" + "".join(rows)
+    return f"## {title}{f' {rest}' * bool(rest)}\n\n{remark}{table}\n"
+
+
+def _expectation(rule: Rule) -> str:
+    """Return what a rule expects, with the expressions in the text as code."""
+    text = ast.parse(f"f{rule.expected!r}", mode="eval").body
+    return "".join(
+        f"`{ast.unparse(part.value)}`"
+        if isinstance(part, ast.FormattedValue)
+        else re.sub(r"([*_<>\[\]$#|{}])", r"\\\1", ast.literal_eval(part))
+        for part in (text.values if isinstance(text, ast.JoinedStr) else [text])
+    )
 
 
 def _entries(table: type[Table], place: str, suffix: str) -> Iterator[str]:
@@ -240,6 +285,7 @@ def decks() -> str:
 GENERATED = {
     "decks": decks,
     "case-keys": case_keys,
+    "rules": rules,
     "commands": commands,
     "results": partial(schema_table, RESULT),
     "sweeps": partial(schema_table, SWEEP),

@@ -39,11 +39,6 @@ class Case(Tables):
     def __repr__(self) -> str:
         """Return the title, and a line for each table with the keys that differ from defaults."""
         changed = self.model_dump(exclude_defaults=True, exclude_none=True)
-        loads = [
-            {"type": load.type, **load.model_dump(exclude_defaults=True, exclude_none=True)}
-            for load in self.excitations.values()
-        ]
-        changed["excitation"] = loads if isinstance(self.excitation, tuple) else loads[0]
         rows = [f"{name:<13}{shown(table)}" for name, table in changed.items() if name != "title"]
         return "\n  ".join([f'Case "{self.title}", other keys at their defaults', *rows])
 

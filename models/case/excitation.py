@@ -83,7 +83,13 @@ ActsOn = Literal["nothing", "casing", "centre", "blades"]
 """Part of a stage on which an excitation acts: a stage that lacks it refuses the excitation."""
 
 
-class NoExcitation(Table):
+class TypedLoad(ReplacedKeys):
+    """A load, which is written with its type."""
+
+    always: ClassVar = ("type",)
+
+
+class NoExcitation(TypedLoad):
     """No load; motion starts from the initial conditions only."""
 
     acts_on: ClassVar[ActsOn] = "nothing"
@@ -92,7 +98,7 @@ class NoExcitation(Table):
     """"none", or "casing-distortion", "imbalance", "harmonic" or "engine-order" with their keys."""
 
 
-class CasingDistortion(Table):
+class CasingDistortion(TypedLoad):
     """A pulse on one casing mode (the paper's scenario A)."""
 
     acts_on: ClassVar[ActsOn] = "casing"
@@ -127,7 +133,7 @@ class BalanceGrade(Table):
     """Service speed of the grade, see march.speed."""
 
 
-class Imbalance(Table):
+class Imbalance(TypedLoad):
     """A force at the centre, constant in the rotating frame (scenario B).
 
     The unbalance m e is given, or follows from ``grade`` or ``clearance_speed``; one of them.
@@ -178,7 +184,7 @@ _SIZES = ("clearance_speed", "unbalance", "balance")
 """Keys that determine the unbalance."""
 
 
-class Harmonic(Table):
+class Harmonic(TypedLoad):
     """A harmonic force at the centre (not in the paper)."""
 
     acts_on: ClassVar[ActsOn] = "centre"
@@ -194,7 +200,7 @@ class Harmonic(Table):
     """Frame in which the force is fixed, "rotating" or "static"."""
 
 
-class EngineOrder(ReplacedKeys):
+class EngineOrder(TypedLoad):
     """Forces on the blades that vary r times in each revolution; r is the engine order."""
 
     acts_on: ClassVar[ActsOn] = "blades"

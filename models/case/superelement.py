@@ -119,6 +119,14 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
     return dict(tables) | own
 
 
+def own_defaults(tables: Mapping[str, Any]) -> Mapping[str, set[str]]:
+    """Return the keys of a case whose defaults `with_defaults` replaces, by the name of the table;
+    none without a superelement."""
+    if value_at(tables, path_of(SOURCE)) is None:
+        return {}
+    return {"march": {"speed", "time_step", "duration"}, "casing": {"clearance"}}
+
+
 def stamp_of(file: str) -> tuple[int, int]:
     """Return time of change [ns] and size [bytes] of a file; zeros if it cannot be read."""
     try:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from pydantic import Field, StrictStr, model_validator
+from pydantic import Field, SerializationInfo, StrictStr, model_validator
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
 from bladewhirl.models.case.blade_loss import BladeLoss
@@ -14,7 +14,7 @@ from bladewhirl.models.case.sensors import SensorRows
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.shaft_line import Gravity, ShaftLine
 from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.case.superelement import SuperelementTable, with_defaults
+from bladewhirl.models.case.superelement import SuperelementTable, own_defaults, with_defaults
 from bladewhirl.models.inputs.table import ReplacedKeys
 from bladewhirl.models.sections.rectangular import Material
 
@@ -60,6 +60,17 @@ class Tables(ReplacedKeys):
     @classmethod
     def _of_superelement(cls, given: Any) -> Any:
         return with_defaults(given) if isinstance(given, Mapping) else given
+
+    def replaced(self, tables: dict[str, Any], info: SerializationInfo) -> dict[str, Any]:
+        """Return the keys to write; without defaults, also those that a superelement replaces."""
+        tables = super().replaced(tables, info)
+        if info.exclude_defaults:
+            chosen = {*(info.include or type(self).model_fields)} - {*(info.exclude or ())}
+            for name, keys in own_defaults(tables).items():
+                if name in chosen:
+                    own = getattr(self, name).model_dump(include=keys)
+                    tables[name] = own | tables.get(name, {})
+        return tables
 
     @property
     def superelement(self) -> SuperelementTable | None:

@@ -1,10 +1,10 @@
 """Rules between keys of a case: the table rules.txt in the folder of this module.
 
-A heading [NAME] begins the rules of a class of tables, or of a call of `broken`. Each row has a
-key, a condition under which its value is refused, and the text that completes "expected ...", or a
-complete text, "not allowed ...", separated by " | ". Conditions, and what the text has in braces,
-are expressions of Python. If the key contains {each}, the condition is a list of names, each of
-which is a fault.
+A heading [NAME], with a remark, begins the rules of a class of tables, or of a call of `broken`;
+NAME then begins with that of the class. Each row has a key, a condition under which its value is
+refused, and the text that completes "expected ...", or a complete text, "not allowed ...",
+separated by " | ". Conditions, and what the text has in braces, are expressions of Python. If the
+key contains {each}, the condition is a list of names, each of which is a fault.
 """
 
 import ast
@@ -45,16 +45,24 @@ class Inconsistency(NamedTuple):
     place: str = ""  #: name of a part of the table that has no key, shown in place of a key
 
 
+class Section(NamedTuple):
+    """Rules under a heading."""
+
+    remark: str
+    rules: list[Rule]
+
+
 @cache
-def rules() -> Mapping[str, list[Rule]]:
-    """Return the rules under each heading."""
-    found: dict[str, list[Rule]] = {}
+def sections() -> Mapping[str, Section]:
+    """Return all rules, by the names in the headings."""
+    found: dict[str, Section] = {}
     text = resources.files(__package__).joinpath("rules.txt").read_text(encoding="utf-8")
     for line in text.splitlines():
         if line.startswith("["):
-            rows = found[line.strip("[]")] = []
-        elif line and not line.startswith("#"):
-            rows.append(Rule(*line.split(" | ")))
+            name, remark = line[1:].split("]")
+            found[name] = Section(remark.strip(), [])
+        elif line:
+            found[name].rules.append(Rule(*line.split(" | ")))
     return found
 
 
@@ -64,9 +72,10 @@ def broken(heading: str, *scopes: object) -> Iterator[Inconsistency]:
     Args:
         heading: heading in the table; there may be none of that name.
         scopes: tables and modules whose attributes are the names in the expressions; the first one
-            that has a name counts.
+            that has a name counts, and this module is the last one. All names of a rule are looked
+            up before its condition is evaluated.
     """
-    for rule in rules().get(heading, ()):
+    for rule in sections()[heading].rules if heading in sections() else ():
         code = _compiled(rule)
         names: dict[str, Any] = {}
         for name in code.names:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self
 from pydantic import (
     BaseModel,
     ConfigDict,
+    SerializationInfo,
     SerializerFunctionWrapHandler,
     ValidationError,
     model_serializer,
@@ -98,6 +99,8 @@ class ReplacedKeys(Table):
 
     replacements: ClassVar[Mapping[str, Collection[str]]] = {}
     """Keys that a key replaces if it is given; an empty list is not given."""
+    always: ClassVar[Collection[str]] = ()
+    """Keys that are written even where those at their defaults are not."""
 
     def written(self) -> Iterable[str]:
         """Return the keys to write, without those that other keys replace."""
@@ -106,8 +109,14 @@ class ReplacedKeys(Table):
         return [name for name in type(self).model_fields if name not in replaced]
 
     @model_serializer(mode="wrap")
-    def _only_written(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        tables: dict[str, Any] = serialize(self)
+    def _only_written(
+        self, serialize: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, Any]:
+        return self.replaced(serialize(self), info)
+
+    def replaced(self, tables: dict[str, Any], info: SerializationInfo) -> dict[str, Any]:
+        """Return the serialised keys without those that are not written."""
+        tables |= {name: getattr(self, name) for name in self.always}
         return {name: tables[name] for name in self.written() if name in tables}
 
     def given(self, kept: Collection[str] = ()) -> list[str]:

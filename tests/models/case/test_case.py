@@ -377,3 +377,9 @@ def test_with_values_checks_the_new_case_and_keeps_the_old() -> None:
     assert with_values(other, {"excitation": {"type": "imbalance"}}).excitation == Imbalance()
     line = fault(with_values, case, {"march.sped": 2})
     assert line.startswith("march.sped = 2: expected a known key")
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.toml")), ids=lambda one: one.stem)
+def test_a_case_is_made_again_from_the_keys_that_differ_from_defaults(path: Path) -> None:
+    case = bw.read_case(path)
+    assert bw.case_from(case.model_dump(exclude_defaults=True)) == case
