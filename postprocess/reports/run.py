@@ -25,7 +25,8 @@ from bladewhirl.postprocess.reports.parts import (
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
+from bladewhirl.postprocess.run.measures import MARCH_REPORT
+from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl

@@ -1,18 +1,24 @@
-"""Measures of a run by which claims of the paper are checked: regime, whirl, contact, energies."""
+"""Measures of a run, for its summary, for sweeps and for claims of the paper: regime, whirl,
+contact, energies."""
 
+from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.energy.regimes import Regime, classify
-from bladewhirl.postprocess.energy.strain import energy_terms, strain_energies
-from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, Regime, classify
+from bladewhirl.postprocess.energy.strain import energy_terms, group_energies, strain_energies
+from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, smallest_clearance
+from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.lost_blades import masked
+from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import centre_displacement, shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import poincare_map
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl import Whirl, ripple, whirl
@@ -23,17 +29,52 @@ HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
 family, and "rest" are all other modes."""
 
 
-class Motion:
-    """Measures of a result, which must stay open; each measure is computed once, at its first
-    use."""
+MARCH_REPORT: Mapping[str, type[float]] = {
+    "complementarity_residual": float,
+    "unsolved_steps": int,
+    "dt_over_critical": float,
+    "steps": int,
+    "wall_time": float,
+    "us_per_step": float,
+}
+"""Key figures of the march that the histories in a result do not contain, with their types."""
 
-    def __init__(self, result: xr.Dataset) -> None:
-        self.result = result
+LATE = 10
+"""The impulse per revolution is averaged over up to this many complete revolutions at the end."""
+
+
+class Motion:
+    """Measures of a result, which must stay open; each measure is computed once, at its first use.
+
+    Args:
+        result: a result.
+        report: key figures of the march, see `MARCH_REPORT`.
+        orbit: from `shaft_orbit`; computed when None.
+    """
+
+    def __init__(
+        self,
+        result: xr.Dataset,
+        report: Mapping[str, float] | None = None,
+        *,
+        orbit: xr.Dataset | None = None,
+    ) -> None:
+        self.result, self.report, self._orbit = result, report or {}, orbit
 
     @cached_property
     def orbit(self) -> xr.Dataset:
         """Orbit of the shaft, from `shaft_orbit`."""
-        return shaft_orbit(self.result)
+        return shaft_orbit(self.result) if self._orbit is None else self._orbit
+
+    @cached_property
+    def groups(self) -> tuple[Array, IntArray]:
+        """Strain energies of groups of modes, from `group_energies`."""
+        return group_energies(self.result)
+
+    @cached_property
+    def strain_energy(self) -> Array:
+        """Strain energy of bladed disk and shaft springs at every record [J]."""
+        return np.asarray(self.groups[0].sum(axis=1))
 
     @cached_property
     def energies(self) -> xr.Dataset:
@@ -43,7 +84,7 @@ class Motion:
     @cached_property
     def regime(self) -> Regime:
         """Regime, from `classify`."""
-        return classify(self.result, self.energies["total"].values)
+        return classify(self.result, self.strain_energy)
 
     @property
     def diverges(self) -> bool:
@@ -69,9 +110,14 @@ class Motion:
         return float(self.result.attrs["reference_frequency"])
 
     @cached_property
-    def radius(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+    def radius(self) -> Array:
         """Displacement of the shaft at every record [m]."""
-        return np.asarray(self.orbit["radius"].values)
+        return np.asarray(np.hypot(*centre_displacement(self.result).T))
+
+    @property
+    def has_shaft(self) -> bool:
+        """True if the stage has a centre."""
+        return "centre_shape" in self.result
 
     def record_at(self, time: float) -> int:
         """Return the number of records up to a time [s], at least one."""
@@ -168,6 +214,101 @@ class Motion:
         late = late_part(self.result)
         radial = self.result["casing_shape"].isel(casing_component=0).values
         return float(np.abs(reduce_modes(late, "casing_displacement", radial)).max())
+
+
+def energy_residual(dataset: xr.Dataset) -> float:
+    """Return the largest error of the energy balance relative to its largest term; 0 at rest.
+
+    At every record, energy - energy_0 = external + normal + friction + coupling work - damping
+    work. Works are since the first record, energy_0 is the energy at the first record, and the
+    damping work is positive.
+    """
+    works = {
+        name: dataset.variables[f"{name}_work"].values
+        for name in ("external", "normal", "friction", "coupling", "damping")
+        if f"{name}_work" in dataset  # not every march has the work of a coupling
+    }
+    energy = dataset.variables["energy"].values
+    since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
+    taken = since.pop("damping")
+    gained = sum(since.values()) - taken
+    error = np.abs(energy - energy[0] - gained).max()
+    largest = max(np.abs(term).max() for term in (energy, *works.values()))
+    return float(error / largest) if largest > 0 else 0.0
+
+
+def late_impulse(dataset: xr.Dataset) -> float | None:
+    """Return the normal impulse on all contact nodes per revolution [N s], averaged over at most
+    `LATE` complete revolutions at the end; None without a complete revolution."""
+    turned = rotation.turns(dataset)
+    whole = int(min(LATE, np.floor(turned[-1] + 1e-9)))
+    if whole < 1:
+        return None
+    total = np.cumsum(dataset["contact_impulse"].values.sum(axis=1))
+    sums = np.interp([turned[-1] - whole, turned[-1]], turned, total)
+    return float((sums[1] - sums[0]) / whole)
+
+
+def largest_tip_displacement(dataset: xr.Dataset) -> float:
+    """Return the largest displacement of a contact node at any record [m]."""
+    if "contact_displacement" in dataset:
+        stored = dataset["contact_displacement"]
+        lengths = (np.linalg.norm(stored[one].values, axis=2) for one in portions(dataset))
+        return float(max(length.max() for length in lengths))
+    blades = dataset.sizes["contact_node"]
+    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
+    moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
+    square = masked(dataset, (moved.reshape(-1, blades, 2) ** 2).sum(axis=2))
+    return float(np.sqrt(np.nanmax(square)))
+
+
+def _report(name: str) -> Callable[[Motion], Any]:
+    return lambda run: MARCH_REPORT[name](run.report[name])
+
+
+def _attribute(name: str) -> Callable[[Motion], Any]:
+    return lambda run: run.result.attrs.get(name)
+
+
+def _fit(kind: Literal["growth", "ripple"], name: str) -> Callable[[Motion], Any]:
+    return lambda run: getattr(getattr(run.regime, kind), name, None)
+
+
+MEASURES: Mapping[str, Callable[[Motion], Any]] = {
+    "regime": lambda run: run.regime.name,
+    "regime_criterion": lambda run: f"{CRITERION_TEXT}. Here: {run.regime.reason}.",
+    "growth_rate": _fit("growth", "rate"),
+    "growth_rate_error": _fit("growth", "error"),
+    "growth_error": _fit("growth", "error"),  # in a sweep
+    "growth_rate_end": _fit("growth", "end_rate"),
+    "growth_residual": _fit("growth", "residual"),
+    "ripple_growth_rate": _fit("ripple", "rate"),
+    "ripple_growth_rate_error": _fit("ripple", "error"),
+    "end_reason": _attribute("end_reason"),
+    "end_time": lambda run: run.end,
+    "revolutions": lambda run: float(rotation.turns(run.result)[-1]),
+    "rotation_speed": _attribute("speed"),
+    "reference_frequency": _attribute("reference_frequency"),
+    "shaft_radius_max": lambda run: float(run.radius.max()) if run.has_shaft else None,
+    "shaft_radius_final": lambda run: float(run.radius[-1]) if run.has_shaft else None,
+    "tip_displacement_max": lambda run: largest_tip_displacement(run.result),
+    "smallest_clearance": lambda run: smallest_clearance(run.result),
+    "strain_energy_max": lambda run: float(run.strain_energy.max()),
+    "energy_final": lambda run: float(run.result.variables["energy"].values[-1]),
+    "contact_impulse": lambda run: float(run.result.variables["contact_impulse"].values.sum()),
+    "impulse_per_revolution": lambda run: late_impulse(run.result),
+    "gap_violation_max": lambda run: max(0.0, -float(run.result.variables["gap"].values.min())),
+    "blade_loss": _attribute(LOSS),
+    "fuse_time": _attribute("fuse_time"),
+    "yield_strength": _attribute("yield_strength"),
+    "record_step": lambda run: float(run.result.attrs["record_step"]),
+    "energy_residual": lambda run: energy_residual(run.result),
+    "unsolved_time": _attribute("unsolved_time"),
+    **{name: _report(name) for name in MARCH_REPORT},
+}
+"""Measures of every march by name, as functions of a run; None if a run does not have a measure. A
+field of `summary.Summary` or a row of the schema of sweeps that has the name gives unit and meaning
+and brings the measure there."""
 
 
 def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:

@@ -1,7 +1,7 @@
 """Summary of a run: `summary.json`."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any, TypedDict
 
 import numpy as np
@@ -9,22 +9,17 @@ import xarray as xr
 
 from bladewhirl.files import json_text
 from bladewhirl.postprocess.energy import strain
-from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
+from bladewhirl.postprocess.energy.regimes import RegimeName
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
-from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
-from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.labelled import LOSS
-from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
-from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
+from bladewhirl.postprocess.run.measures import MARCH_REPORT, MEASURES, Motion
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.bearing_forces import bearing_forces
 from bladewhirl.postprocess.shaft.crossings import crossings
-from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 
@@ -55,19 +50,6 @@ class CriticalCrossing(TypedDict):
     rising: bool
     amplitude: float
 
-
-MARCH_REPORT: Mapping[str, type[float]] = {
-    "complementarity_residual": float,
-    "unsolved_steps": int,
-    "dt_over_critical": float,
-    "steps": int,
-    "wall_time": float,
-    "us_per_step": float,
-}
-"""Key figures of the march that the histories in a result do not contain, with their types."""
-
-LATE = 10
-"""The impulse per revolution is averaged over up to this many complete revolutions at the end."""
 
 ROUNDING = 1e-9
 """Displacements of the shaft below this fraction of those of the tips are rounding errors."""
@@ -183,54 +165,31 @@ def summarise(
     missing = [key for key in MARCH_REPORT if key not in march_report]
     if missing:
         raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
-    report: dict[str, Any] = {key: kind(march_report[key]) for key, kind in MARCH_REPORT.items()}
     energies = strain.strain_energies(dataset) if energies is None else energies
-    regime = classify(dataset, energies["total"].values)
+    run = Motion(dataset, march_report, orbit=orbit)
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
-    tips, grouped = _largest_tip_displacement(dataset), "suspension" in energies
-    impulse, time = dataset["contact_impulse"].values, dataset["time"].values
+    grouped, impulse = "suspension" in energies, dataset["contact_impulse"].values
     wear = wear_summary(dataset)
     contact_steps = dataset["contact_steps"].sum("time").values
+    names = [each.name for each in fields(Summary) if each.name in MEASURES]
+    measured = {name: MEASURES[name](run) for name in names}
     return Summary(
-        regime=regime.name,
-        regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
-        growth_rate=regime.growth.rate if regime.growth else None,
-        growth_rate_error=regime.growth.error if regime.growth else None,
-        growth_rate_end=regime.growth.end_rate if regime.growth else None,
-        growth_residual=regime.growth.residual if regime.growth else None,
-        ripple_growth_rate=regime.ripple.rate if regime.ripple else None,
-        ripple_growth_rate_error=regime.ripple.error if regime.ripple else None,
-        end_reason=str(dataset.attrs["end_reason"]),
-        end_time=float(time[-1]),
-        revolutions=float(rotation.turns(dataset)[-1]),
-        **_shaft_figures(dataset, orbit, tips),
-        tip_displacement_max=tips,
+        **measured,
+        **_shaft_figures(run, measured["tip_displacement_max"]),
         contact_displacement_max=_contact_displacements(dataset),
-        strain_energy_max=float(energies["total"].max()),
         strain_energy_final=_holders(energies.isel(time=-1)) if grouped else None,
         strain_energy_rest=_rest(dataset) if grouped else None,
         **_casing_figures(dataset),
-        energy_final=float(dataset["energy"][-1]),
         work=works(dataset),
         drive_power=_finite(power),
         drive_torque=_finite(power / speed) if speed else None,
         contact_force_max=extremes.largest_force(dataset),
-        contact_impulse=float(dataset["contact_impulse"].sum()),
         contact_impulse_by_blade=of_blades(dataset, impulse.sum(axis=0)).tolist(),
-        impulse_per_revolution=late_impulse(dataset),
         stress_max=_stresses(dataset, stresses),
-        blade_loss=dataset.attrs.get(LOSS),
-        fuse_time=dataset.attrs.get("fuse_time"),
-        yield_strength=dataset.attrs.get("yield_strength"),
-        contact_share=(contact_steps / max(report["steps"], 1)).tolist(),
-        gap_violation_max=max(0.0, -float(dataset["gap"].min())),
-        record_step=float(dataset.attrs["record_step"]),
-        energy_residual=energy_residual(dataset),
+        contact_share=(contact_steps / max(measured["steps"], 1)).tolist(),
         wear=wear,
-        unsolved_time=dataset.attrs.get("unsolved_time"),
         unsolved_impulse_share=_unsolved(dataset, "impulse", float(impulse.sum())),
         unsolved_wear_share=_unsolved(dataset, "wear", wear.get("wear_volume", 0.0)),
-        **report,
     )
 
 
@@ -239,65 +198,25 @@ def _unsolved(dataset: xr.Dataset, of_what: str, total: float) -> float:
     return float(dataset.attrs.get(f"unsolved_{of_what}", 0.0)) / total if total else 0.0
 
 
-def energy_residual(dataset: xr.Dataset) -> float:
-    """Return the largest error of the energy balance relative to its largest term; 0 at rest.
-
-    At every record, energy - energy_0 = external + normal + friction + coupling work - damping
-    work. Works are since the first record, energy_0 is the energy at the first record, and the
-    damping work is positive.
-    """
-    works = {
-        name: dataset.variables[f"{name}_work"].values
-        for name in ("external", "normal", "friction", "coupling", "damping")
-        if f"{name}_work" in dataset  # not every march has the work of a coupling
-    }
-    energy = dataset.variables["energy"].values
-    since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
-    taken = since.pop("damping")
-    gained = sum(since.values()) - taken
-    error = np.abs(energy - energy[0] - gained).max()
-    largest = max(np.abs(term).max() for term in (energy, *works.values()))
-    return float(error / largest) if largest > 0 else 0.0
-
-
-def late_impulse(dataset: xr.Dataset) -> float | None:
-    """Return the normal impulse on all contact nodes per revolution [N s], averaged over at most
-    `LATE` complete revolutions at the end; None without a complete revolution."""
-    turned = rotation.turns(dataset)
-    whole = int(min(LATE, np.floor(turned[-1] + 1e-9)))
-    if whole < 1:
-        return None
-    total = np.cumsum(dataset["contact_impulse"].values.sum(axis=1))
-    sums = np.interp([turned[-1] - whole, turned[-1]], turned, total)
-    return float((sums[1] - sums[0]) / whole)
-
-
-def _shaft_figures(dataset: xr.Dataset, orbit: xr.Dataset | None, tips: float) -> dict[str, Any]:
-    """Return the figures of the shaft: its largest and last displacement, and its whirl and ripple
-    in the last third. If the shaft moves less than a rounding error of the motion of the tips [m],
+def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
+    """Return the figures of the shaft: forces on its bearings, and whirl and ripple in the last
+    third. If the shaft moves less than a rounding error of the motion of the tips [m],
     frequencies and lines are left out; without a moving centre all are."""
     numbers = (
-        *("shaft_radius_max", "shaft_radius_final", "whirl_frequency_rotating"),
-        *("whirl_frequency_static", "whirl_frequency_error", "ripple_rms", "ripple_frequency"),
-        *("bearing_force_max", "bearing_force_time"),
+        *("whirl_frequency_rotating", "whirl_frequency_static", "whirl_frequency_error"),
+        *("ripple_rms", "ripple_frequency", "bearing_force_max", "bearing_force_time"),
     )
     figures: dict[str, Any] = {**dict.fromkeys(numbers), "whirl_lines": [], "ripple_lines": []}
     figures["critical_crossings"] = []
-    if "centre_shape" not in dataset:
+    if not run.has_shaft:
         return figures
-    orbit = shaft_orbit(dataset) if orbit is None else orbit
+    dataset, orbit, late = run.result, run.orbit, late_part(run.orbit)
     names = CriticalCrossing.__annotations__
     figures["critical_crossings"] = [
         {name: getattr(each, name) for name in names} for each in crossings(dataset, orbit)
     ]
-    radius, late = orbit["radius"].values, late_part(orbit)
-    size, about = ripple(late, "rotating")
-    figures |= {
-        "shaft_radius_max": float(radius.max()),
-        "shaft_radius_final": float(radius[-1]),
-        "ripple_rms": size,
-    }
-    if not radius.max() > ROUNDING * tips:
+    figures["ripple_rms"], about = ripple(late, "rotating")
+    if not run.radius.max() > ROUNDING * tips:
         return figures
     force = bearing_forces(dataset, orbit)["force"]
     figures["bearing_force_max"] = float(force.max())
@@ -364,19 +283,6 @@ def _rest(dataset: xr.Dataset) -> dict[str, float] | None:
         return None
     named = zip(last["family"].values, last.values, strict=True)
     return {str(k): float(e) for k, e in named if k not in (strain.SUSPENSION, strain.FIRST_FAMILY)}
-
-
-def _largest_tip_displacement(dataset: xr.Dataset) -> float:
-    """Return the largest displacement of a contact node at any record [m]."""
-    if "contact_displacement" in dataset:
-        stored = dataset["contact_displacement"]
-        lengths = (np.linalg.norm(stored[one].values, axis=2) for one in portions(dataset))
-        return float(max(length.max() for length in lengths))
-    blades = dataset.sizes["contact_node"]
-    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
-    moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
-    square = masked(dataset, (moved.reshape(-1, blades, 2) ** 2).sum(axis=2))
-    return float(np.sqrt(np.nanmax(square)))
 
 
 def _holders(energies: xr.Dataset) -> EnergyHolders:

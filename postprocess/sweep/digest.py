@@ -7,15 +7,13 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
-from bladewhirl.postprocess.energy.regimes import classify
-from bladewhirl.postprocess.energy.strain import group_energies
 from bladewhirl.postprocess.fields.by_blade import of_blades
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, smallest_clearance
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_share
 from bladewhirl.postprocess.run.contact_side import contact_scenario
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force
-from bladewhirl.postprocess.run.summary import energy_residual, late_impulse
+from bladewhirl.postprocess.run.measures import MEASURES, Motion
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import centre_displacement, shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import section_places
@@ -44,11 +42,9 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
             march.
         layout: sizes of the arrays; elements without a value are NaN.
     """
-    time = dataset.variables["time"].values
-    energies, diameters = group_energies(dataset)
-    strain_energy, groups = energies.sum(axis=1), _groups(energies, diameters, layout)
-    regime = classify(dataset, strain_energy)
-    steps = int(report["steps"])
+    time, run = dataset.variables["time"].values, Motion(dataset, report)
+    energies, diameters = run.groups
+    groups, steps = _groups(energies, diameters, layout), int(report["steps"])
     step = float(dataset.attrs["record_step"])
     first = len(time) - max(1, round(min(layout.window, WINDOW_SHARE * np.ptp(time)) / step))
     starts = span_starts(len(time), layout.samples)
@@ -57,28 +53,13 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
     if late.sizes["time"] > 1:
         share = padded(of_blades(late, contact_share(late), np.maximum), layout.blades)
     touched = dataset.variables["contact_steps"].values.sum(axis=0) / max(steps, 1)
-    impulse = late_impulse(dataset)
+    measured = {name: MEASURES[name](run) for name in layout.variables if name in MEASURES}
     values = {
-        "regime": regime.name,
-        "end_reason": dataset.attrs["end_reason"],
-        "end_time": time[-1],
-        "steps": steps,
-        "unsolved_steps": int(report["unsolved_steps"]),
-        "rotation_speed": dataset.attrs["speed"],
-        "reference_frequency": dataset.attrs["reference_frequency"],
-        "growth_rate": regime.growth.rate if regime.growth else np.nan,
-        "growth_error": regime.growth.error if regime.growth else np.nan,
-        "strain_energy_max": strain_energy.max(),
+        **{name: np.nan if value is None else value for name, value in measured.items()},
         "contact_share": padded(of_blades(dataset, touched, np.maximum), layout.blades),
         "late_contact_share": share,
         "contact_force_max": largest_force(dataset)["force"],
-        "impulse_per_revolution": np.nan if impulse is None else impulse,
-        "smallest_clearance": smallest_clearance(dataset),
         **wear_numbers(dataset),
-        "gap_violation_max": max(0.0, -float(dataset.variables["gap"].values.min())),
-        "energy_residual": energy_residual(dataset),
-        "complementarity_residual": report["complementarity_residual"],
-        "dt_over_critical": report["dt_over_critical"],
         "window_start": time[first],
         "energy_mean": groups[first:].mean(axis=0),
         "energy_max": groups.max(axis=0),
@@ -95,16 +76,13 @@ def _shaft(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) ->
     """Return the motion of the shaft's centre: its extent, its spectrum from the record `first` on,
     its history, and its late motion."""
     step = float(dataset.attrs["record_step"])
-    place = centre_displacement(dataset)
-    radius, motion = np.hypot(*place.T), place @ np.array([1.0, 1.0j])
+    motion = centre_displacement(dataset) @ np.array([1.0, 1.0j])
     sense = -1.0 if dataset.attrs["speed"] < 0.0 else 1.0
     samples = layout.samples
     late = late_part(dataset)
     moved = late_motion(late, shaft_orbit(late))
     section = moved.pop("section")[-SECTIONS:]
     return {
-        "shaft_radius_max": radius.max(),
-        "shaft_radius_final": radius[-1],
         "spectrum": magnitudes(
             motion.real[first:] + sense * 1j * motion.imag[first:], step, layout.frequency
         ),

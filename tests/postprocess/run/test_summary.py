@@ -24,7 +24,8 @@ from bladewhirl.postprocess.energy.growth_rates import (
 from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise
+from bladewhirl.postprocess.run.measures import energy_residual
+from bladewhirl.postprocess.run.summary import Summary, summarise
 from bladewhirl.postprocess.run.summary_table import (
     displacement_hints,
     summary_rows,
