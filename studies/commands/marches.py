@@ -48,6 +48,7 @@ there are too few differences, or because the differences are not monotone."""
 
 
 def run(
+    context: typer.Context,
     case: options.NewCase = None,
     output: options.OutputFolder = None,
     overrides: options.Changes = None,
@@ -82,10 +83,8 @@ def run(
 
     if (case is None) == (resume is None):
         raise UserError("run: expected either CASE or --resume DIR")
-    if resume is not None and (output is not None or overwrite or (start, end) != (None, None)):
-        raise UserError(
-            f"--resume {resume}: omit --output, --overwrite, --from and --to of a new run"
-        )
+    if resume is not None:
+        options.only(context, "--resume", "resume", "overrides", "frames", "rotating", "json")
     source = case or (resume or Path()) / CASE_NAME
     folder = resume or output or RUNS / source.stem
     with (

@@ -278,6 +278,22 @@ def refuse_both(scheduler: str | None, workers: int | None) -> None:
         )
 
 
+def only(context: typer.Context, reason: str, *allowed: str) -> None:
+    """Check that a command got no arguments and options but the allowed ones, given by the names of
+    its parameters, which have a meaning together with the option in `reason`.
+
+    Raises:
+        UserError: others are given.
+    """
+    others = (
+        each.opts[-1] if each.param_type_name == "option" else each.opts[-1].upper()
+        for each in context.command.params
+        if getattr(context.get_parameter_source(each.name or ""), "name", "") == "COMMANDLINE"
+        and each.name not in allowed
+    )
+    omitted(reason, dict.fromkeys(others, True))
+
+
 def omitted(reason: str, given: Mapping[str, object]) -> None:
     """Check that options that have no meaning together with another one are not given.
 

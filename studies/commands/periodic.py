@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 def periodic(
+    context: typer.Context,
     case: options.NewCase = None,
     speeds: Annotated[Any, options.speeds("--speeds")] = None,
     over: Annotated[str | None, typer.Option(metavar="KEY=START:STOP")] = None,
@@ -69,10 +70,7 @@ def periodic(
         resume: Continue the branch in this folder.
     """
     if resume is not None:
-        ignored = {"CASE": case, "--speeds": speeds, "--over": over, "--points": points}
-        ignored |= {"--blade": blade or None, "--periods": periods if periods > 1 else None}
-        ignored |= {"--from": origin, "-o": output, "--overwrite": overwrite or None}
-        options.omitted("--resume", {**ignored, "--set": overrides or None})
+        options.only(context, "--resume", "resume", "json")
         _resume(resume, json=json)
         return
     if case is None:

@@ -23,6 +23,7 @@ SHOWN_FAILURES = 10  #: largest number of failed points printed; failures.json l
 
 
 def sweep(
+    context: typer.Context,
     case: options.NewCase = None,
     over: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUES")] = None,
     table: options.File = None,
@@ -101,24 +102,9 @@ def sweep(
 
             watch = Watch(planned=_print_plan, progress=progress)
             if resume is not None:
-                new_sweep: dict[str, object] = {
-                    "CASE": case,
-                    "--over": over,
-                    "--output": output if draw is None else None,
-                    "--table": table,
-                    "--perturb": perturb,
-                    "--seed": seed,
-                    "--set": overrides,
-                    "--histories": histories,
-                    "--stop-when": stop_when,
-                    "--screen": screen,
-                    "--continue": carry,
-                    "--start": start if start != "rest" else None,
-                }
-                unused = ", ".join(name for name, value in new_sweep.items() if value)
-                if unused:
-                    stored = f"{resume}/sweep.json contains the input of this sweep"
-                    raise UserError(f"--resume {resume}: omit {unused}, because {stored}")
+                reason = f"--resume: {resume}/sweep.json contains the input of this sweep"
+                allowed = "resume scheduler workers draws until draw yes json".split()
+                options.only(context, reason, *allowed, *["output"] * (draw is not None))
                 if draw is not None:
                     plan = read_plan(resume)
                     _write_draw(plan.case, plan.grid, draw, output)
