@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from bladewhirl.models.case.check import faults_of
+from bladewhirl.models.case.check import UNKNOWN_KEY, faults_of
 from bladewhirl.models.case.sensors import sensor_faults
 from bladewhirl.models.case.shaft_line import beside_line
+from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.case.tables import Tables
-from bladewhirl.models.inputs.errors import CaseError, shown
+from bladewhirl.models.inputs.errors import CaseError, Fault, shown
 from bladewhirl.models.inputs.rules import Inconsistency, broken
+from bladewhirl.models.inputs.table import path_of, value_at
 
 
 class Case(Tables):
@@ -31,6 +33,8 @@ class Case(Tables):
     if not TYPE_CHECKING:  # type checkers see the keys
 
         def __init__(self, **tables: Any) -> None:
+            if faults := _unknown_keys(tables):
+                raise CaseError(faults)
             try:
                 super().__init__(**tables)
             except ValidationError as error:
@@ -112,6 +116,20 @@ class Case(Tables):
         the frequency of which speeds are multiples [rad/s]."""
         march = self.march.in_seconds(self.march.speed.rad_per_s(reference))
         return self if march is self.march else self.model_copy(update={"march": march})
+
+
+def _unknown_keys(tables: Mapping[str, Any]) -> list[Fault]:
+    """Return the unknown keys of a case with a superelement, whose file would take long to read."""
+    table = value_at(tables, path_of(SOURCE))
+    if not isinstance(table, Mapping):
+        return []
+    named = {key: value for key, value in table.items() if key != "file"}
+    disk = {**tables["bladed_disk"], "superelement": named}
+    try:
+        Tables.model_validate({**tables, "bladed_disk": disk})
+    except ValidationError as error:
+        return faults_of(error, tables, only=UNKNOWN_KEY)
+    return []
 
 
 def case_from(tables: Mapping[str, Any]) -> Case:

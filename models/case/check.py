@@ -19,6 +19,8 @@ from bladewhirl.models.inputs.table import INCONSISTENT, Path, Table, path_of, v
 TAG_ERRORS = ("union_tag_not_found", "union_tag_invalid")
 """pydantic's errors about the type of the excitation or of a sensor."""
 
+UNKNOWN_KEY = "extra_forbidden"  #: pydantic's error about a key that a table does not have
+
 KINDS: Mapping[str, Mapping[str, type[Table]]] = {"excitation": EXCITATIONS, "sensor": SENSORS}
 """Table class of each type, for the tables whose keys depend on the key `type`."""
 
@@ -53,15 +55,19 @@ def sensors_from(rows: Sequence[Any], blades: int) -> tuple[Sensor, ...]:
     return sensors
 
 
-def faults_of(error: ValidationError, tables: Mapping[str, Any], parent: str = "") -> list[Fault]:
+def faults_of(
+    error: ValidationError, tables: Mapping[str, Any], parent: str = "", only: str = ""
+) -> list[Fault]:
     """Return the faults in pydantic's error on a case or a part of it.
 
     Args:
         error: error of the validation.
         tables: tables that were validated.
         parent: dotted key of the part of a case; empty for a case.
+        only: type of the errors to return; empty for all.
     """
-    return [_fault(details, tables, parent) for details in error.errors(include_url=False)]
+    found = error.errors(include_url=False)
+    return [_fault(each, tables, parent) for each in found if only in ("", each["type"])]
 
 
 def _fault(details: ErrorDetails, tables: Mapping[str, Any], parent: str) -> Fault:
@@ -80,7 +86,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
     kind, context = details["type"], details.get("ctx", {})
     if kind in (EXPECTED, INCONSISTENT):
         return str(context["expected"])
-    if kind == "extra_forbidden":
+    if kind == UNKNOWN_KEY:
         return REMOVED_KEYS.get(dotted(path)) or _known_key(_location(details), path)
     if kind in TAG_ERRORS:
         return " or ".join(f'"{name}"' for name in KINDS[str(path[0])])

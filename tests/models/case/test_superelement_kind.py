@@ -65,3 +65,25 @@ def test_a_file_with_a_centre_is_a_wheel(tmp_path: Path) -> None:
     again = case(Path(table.file)).bladed_disk.superelement
     assert again is not None
     assert again.kind == "wheel"
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"march": {"spead": 1.0}}, "march.spead = 1.0: expected a known key; the nearest is"),
+        ({"bladed_disk": {"superelement": {"copys": 3}}}, "bladed_disk.superelement.copys = 3: "),
+        ({"bladed_disk": {"blade_count": 3}}, "bladed_disk.blade_count = 3: expected a known key"),
+    ],
+)
+def test_a_misspelt_key_is_found_before_the_file_is_read(
+    tables: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "bladewhirl.models.case.superelement._cached", lambda *_: pytest.fail("read")
+    )
+    disk = tables.pop("bladed_disk", {})
+    table = {"file": "never_read.npz"} | disk.pop("superelement", {})
+    with pytest.raises(CaseError) as error:
+        bw.case_from({**tables, "bladed_disk": {**disk, "superelement": table}})
+    (line,) = error.value.lines
+    assert line.startswith(message)
