@@ -299,7 +299,7 @@ class March(ReplacedKeys):
         """Yield the rules that are broken."""
         here = sys.modules[__name__]
         yield from super().inconsistencies()
-        if any(each is not None for each in (self.speed_table, self.run_up, self.speed_blend)):
+        if self.speed_table is not None or self.run_up is not None:
             yield from islice(broken("March course", self, here), 1)
         if self.steps_per_revolution is None:
             yield from broken("March in seconds", self, here)
