@@ -305,7 +305,7 @@ def stiffness_by_rotation(
     softening = sp.kron(nodal.T @ mass @ nodal, IN_PLANE, format="csr")
     spread = sp.kron(nodal, np.eye(3), format="csr")
     load = tie.T @ (spread @ (softening @ solid.points.ravel()))
-    moved = Cholesky(sp.csr_array(tie.T @ stiffness @ tie)).solve(load[:, None])[:, 0]
+    moved = Cholesky.of(sp.csr_array(tie.T @ stiffness @ tie)).solve(load[:, None])[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):  # the superelement checks its matrices
         by_stress, linear, quadratic = solid.stiffness_terms(tie @ moved)
     first = sp.csr_array(by_stress - spread @ softening @ spread.T)

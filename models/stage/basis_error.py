@@ -6,7 +6,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.superelement_structure import LARGE, on_springs, structure_of
 from bladewhirl.models.superelements.reduction import lowest_modes
-from bladewhirl.models.superelements.sector import Sector, Wave
+from bladewhirl.models.superelements.sector import Sector
 from bladewhirl.models.superelements.superelement import Superelement
 
 COMPARED = 10  #: number of the lowest frequencies that are compared
@@ -39,8 +39,8 @@ def basis_error(stage: Matrices) -> float | None:
 def _of_sector(part: Superelement, sectors: int) -> FloatArray:
     """Return the lowest squared frequencies of a wheel of sectors, ascending."""
 
-    def lowest(wave: Wave) -> FloatArray:
-        pair = 0 < 2 * wave.diameter < sectors
+    def lowest(k: int) -> FloatArray:
+        wave, pair = sector.wave(k), 0 < 2 * k < sectors
         return np.repeat(wave.lowest(min(COMPARED, wave.size))[0], 1 + pair)
 
     sector = Sector(part, sectors, modes=COMPARED, loads=0, rigid=False)

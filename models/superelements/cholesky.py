@@ -11,52 +11,76 @@ one vector at a time in 0.15 s, and leaves no Schur complement; here it is 6 s a
 vectors at once, 0.03 s each.
 """
 
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import LinAlgError
-from scipy.linalg.blas import dsyrk, dtrmm
-from scipy.linalg.lapack import dpotrf, dtrtri
+from scipy.linalg import LinAlgError, get_blas_funcs, get_lapack_funcs
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.superelements.dissection import dissected
 
 
+@dataclass(frozen=True)
+class Elimination:
+    """Order in which the unknowns of matrices with one pattern are eliminated."""
+
+    order: IntArray  #: the unknowns, at the end those that are not eliminated, (n,)
+    spans: list[slice]  #: places of each set in this order
+
+    @classmethod
+    def of(cls, matrix: sp.csr_array, last: IntArray | None = None) -> "Elimination":
+        """Return an order for a matrix with a symmetric pattern, (n, n), and unknowns that are not
+        eliminated, (l,)."""
+        last = np.zeros(0, dtype=np.int64) if last is None else last
+        inner = np.setdiff1d(np.arange(matrix.shape[0]), last)
+        sets = [inner[one] for one in dissected(_with_diagonal(matrix[inner][:, inner]))]
+        ends = np.cumsum([0, *map(len, sets)])
+        spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        return cls(np.concatenate([*sets, last]), spans)
+
+    def lower(self, matrix: sp.csr_array) -> sp.csc_array:
+        """Return the lower triangle of a matrix in this order, with sorted indices."""
+        lower = sp.csc_array(sp.tril(sp.csc_array(matrix)[:, self.order][self.order]))
+        lower.sort_indices()
+        return lower
+
+
 class Cholesky:
-    """Factor of a symmetric positive definite matrix.
+    """Factor of a real symmetric or complex Hermitian matrix that is positive definite.
 
     Raises:
         LinAlgError: the matrix is not positive definite.
     """
 
-    def __init__(self, matrix: sp.csr_array, last: IntArray | None = None) -> None:
+    def __init__(self, elimination: Elimination, lower: sp.csc_array) -> None:
         """Factorise a matrix.
 
         Args:
-            matrix: sparse symmetric matrix, (n, n).
-            last: unknowns that are not eliminated, (l,).
+            elimination: order of its unknowns.
+            lower: its lower triangle in this order, see `Elimination.lower`.
         """
-        self._last = np.zeros(0, dtype=np.int64) if last is None else last
-        inner = np.setdiff1d(np.arange(matrix.shape[0]), self._last)
-        sets = [inner[one] for one in dissected(_with_diagonal(matrix[inner][:, inner]))]
-        order = np.concatenate([*sets, self._last])
-        self._order = order
-        ends = np.cumsum([0, *map(len, sets)])
-        self._spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        self._order, self._spans = elimination.order, elimination.spans
+        self._inner = self._spans[-1].stop if self._spans else 0
         self._borders: list[IntArray] = []
-        self._factors: list[FloatArray] = []
-        lower = sp.csc_array(sp.tril(sp.csc_array(matrix)[:, order][order]))
-        lower.sort_indices()
+        self._factors: list[Any] = []
         self.schur = self._eliminated(lower)
         """Schur complement of the unknowns that are not eliminated, (l, l)."""
+
+    @classmethod
+    def of(cls, matrix: sp.csr_array, last: IntArray | None = None) -> "Cholesky":
+        """Factorise a matrix, (n, n), without the last unknowns, (l,)."""
+        elimination = Elimination.of(matrix, last)
+        return cls(elimination, elimination.lower(matrix))
 
     @property
     def entries(self) -> int:
         """Number of stored numbers."""
         return sum(one.size for one in self._factors)
 
-    def forward(self, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def forward(self, loads: Any) -> tuple[Any, Any]:
         """Eliminate the unknowns of columns of loads.
 
         Args:
@@ -72,22 +96,23 @@ class Cholesky:
             size = span.stop - span.start
             x[span] = moved[:size]
             x[border] -= moved[size:]
-        inner = len(x) - len(self._last)
-        return x[:inner], x[inner:]
+        return x[: self._inner], x[self._inner :]
 
-    def backward(self, loads: FloatArray, last: FloatArray) -> FloatArray:
+    def backward(self, loads: Any, last: Any) -> Any:
         """Return the solution, (n, m), from eliminated loads and the solution of the unknowns that
         are not eliminated."""
         x = np.concatenate([loads, last])
         for span, border, factor in zip(
             *(self._spans[::-1], self._borders[::-1], self._factors[::-1]), strict=True
         ):
-            x[span] = factor.T @ np.concatenate([x[span], -x[border]])
+            # The factor is not copied: its conjugate transpose acts on the conjugate.
+            rows = np.concatenate([x[span], -x[border]]).conj().T @ factor
+            x[span] = rows.conj().T
         solution = np.empty_like(x)
         solution[self._order] = x
         return solution
 
-    def solve(self, loads: FloatArray) -> FloatArray:
+    def solve(self, loads: Any) -> Any:
         """Return the solution for columns of loads, (n, m), if all unknowns are eliminated."""
         return self.backward(*self.forward(loads))
 
@@ -97,17 +122,19 @@ class Cholesky:
         Args:
             lower: lower triangle in the order of elimination, with sorted indices.
         """
-        size, inner = lower.shape[0], lower.shape[0] - len(self._last)
-        spans = [*self._spans, slice(inner, size)]
+        size, kind = lower.shape[0], lower.dtype
+        spans = [*self._spans, slice(self._inner, size)]
+        potrf, trtri = get_lapack_funcs(("potrf", "trtri"), dtype=kind)
+        rank_k, trmm = get_blas_funcs(("herk" if kind.kind == "c" else "syrk", "trmm"), dtype=kind)
         owner = np.repeat(np.arange(len(spans)), [one.stop - one.start for one in spans])
-        left: list[list[tuple[IntArray, FloatArray]]] = [[] for _ in spans]
+        left: list[list[tuple[IntArray, Any]]] = [[] for _ in spans]
         for number, span in enumerate(spans):
             entries = slice(lower.indptr[span.start], lower.indptr[span.stop])
             around = [lower.indices[entries], *(border for border, _ in left[number])]
             border = np.unique(np.concatenate(around))
             border = border[border >= span.stop]
             unknowns = np.concatenate([np.arange(span.start, span.stop), border])
-            front = np.zeros((len(unknowns), len(unknowns)), order="F")
+            front = np.zeros((len(unknowns), len(unknowns)), dtype=kind, order="F")
             lengths = np.diff(lower.indptr[span.start : span.stop + 1])
             rows = np.searchsorted(unknowns, lower.indices[entries])
             front[rows, np.repeat(np.arange(len(lengths)), lengths)] = lower.data[entries]
@@ -117,23 +144,23 @@ class Cholesky:
             count = span.stop - span.start
             if number == len(self._spans):
                 return np.asarray(front + np.tril(front, -1).T)
-            factor, fault = dpotrf(front[:count, :count], lower=1, clean=1)
+            factor, fault = potrf(front[:count, :count], lower=1, clean=1)
             if fault:
                 raise LinAlgError("the matrix is not positive definite")
-            inverse, _ = dtrtri(factor, lower=1)
-            stored = np.empty((len(unknowns), count), order="F")
+            inverse, _ = trtri(factor, lower=1)
+            stored = np.empty((len(unknowns), count), dtype=kind, order="F")
             stored[:count] = inverse
             if len(border):
-                below = dtrmm(1.0, inverse, front[count:, :count], side=1, lower=1, trans_a=1)
-                stored[count:] = dtrmm(1.0, inverse, below, side=1, lower=1)
-                update = dsyrk(-1.0, below, beta=1.0, c=front[count:, count:], lower=1)
+                below = trmm(1.0, inverse, front[count:, :count], side=1, lower=1, trans_a=2)
+                stored[count:] = trmm(1.0, inverse, below, side=1, lower=1)
+                update = rank_k(-1.0, below, beta=1.0, c=front[count:, count:], lower=1)
                 left[owner[border[0]]].append((border, update))
             self._borders.append(border)
             self._factors.append(stored)
         raise AssertionError("the last span ends the loop")
 
 
-def _add(front: FloatArray, place: IntArray, update: FloatArray) -> None:
+def _add(front: Any, place: IntArray, update: Any) -> None:
     """Add the lower triangle of a matrix to rows and columns of a front, run by run."""
     cuts = [0, *(np.flatnonzero(np.diff(place) != 1) + 1).tolist(), len(place)]
     here = [slice(a, b) for a, b in pairwise(cuts)]

@@ -10,6 +10,7 @@ equal matrices for every nodal diameter.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -146,14 +147,13 @@ def sector_blocks(
             of_blade = _blade_loads(part, states, count)
             loads = sp.csc_array(sp.hstack([loads, of_blade]))
 
-        def block(wave: Wave) -> NodalBlock:
-            faster = [Wave(sector, wave.diameter) for sector in states[1:]]
-            found = [*fields(wave, loads)]
-            for each in faster:
-                found += fields(each, loads if touched else loads[:, :0])
+        def block(k: int) -> NodalBlock:
+            found = [*fields(states[0].wave(k), loads)]
+            for sector in states[1:]:
+                found += fields(sector.wave(k), loads if touched else loads[:, :0])
             together = joined(part, found)
-            made = _block(part, together, wave.diameter)
-            if wave.diameter != 0:
+            made = _block(part, together, k)
+            if k != 0:
                 still: dict[str, Any] = dict.fromkeys(part.given(part.LOADS), np.zeros(made.size))
                 made = replace(made, **still)
             if not touched or part.blade_stiffness is None:
@@ -180,12 +180,13 @@ def _blade_loads(part: Superelement, states: list[Sector], count: int) -> FloatA
     Their static displacements are the first change of the modes when blades differ.
     """
 
-    def in_modes(wave: Wave) -> FloatArray:
+    def in_modes(sector: Sector, k: int) -> FloatArray:
+        wave = sector.wave(k)
         squares, shapes = wave.lowest(min(count, wave.size))
         moved = wave.tie @ (shapes / squares)
         return np.hstack([moved.real, moved.imag])
 
-    moved = [field for sector in states for field in sector.each_wave(in_modes)]
+    moved = [field for sector in states for field in sector.each_wave(partial(in_modes, sector))]
     forces = sp.csr_array(part.blade_stiffness) @ np.hstack(moved)
     squares, vectors = la.eigh(forces.T @ forces)
     kept = squares > SPANNED**2 * squares[-1]

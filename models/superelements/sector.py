@@ -1,12 +1,20 @@
-"""Modes and static displacements of a sector for all nodal diameters, from one factorisation.
+"""Modes and static displacements of a sector for all nodal diameters.
 
 Only the coordinates on the two faces of a sector depend on the nodal diameter, through the tie
-u_right = exp(i k alpha) R u_left of `cyclic`. The real matrix of all other coordinates is therefore
-factorised once. What is left on the faces is a dense Schur complement S, and the stiffness of
-nodal diameter k on the left face is T^H S T, with the tie T from the left face to both faces.
+u_right = exp(i k alpha) R u_left of `cyclic`. With small faces the real matrix of all other
+coordinates is therefore factorised once. What is left on the faces is a dense Schur complement S,
+and the stiffness of nodal diameter k on the left face is T^H S T, with the tie T from the left face
+to both faces.
+
+With large faces the dense matrices would take most of the time and memory. The tied matrix
+
+    A + cos(k alpha) (B + B^T) + i sin(k alpha) (B - B^T)
+
+of each nodal diameter, where B is between the left face and the right face, is then factorised by
+itself, in one order of elimination for all.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import copy_context
@@ -20,7 +28,7 @@ from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # h
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.machine import cores
-from bladewhirl.models.superelements.cholesky import Cholesky
+from bladewhirl.models.superelements.cholesky import Cholesky, Elimination
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.reduction import small_shift
 from bladewhirl.models.superelements.solver import LARGE, Pencil, announce
@@ -31,6 +39,10 @@ from bladewhirl.models.superelements.superelement import (
 )
 
 Found = TypeVar("Found")
+
+LARGE_FACE = 2500
+"""Number of coordinates of a face from which the matrix of each nodal diameter is factorised by
+itself (measured: for sectors of 20,000 coordinates both ways then take the same time)."""
 
 
 @contextmanager
@@ -43,12 +55,12 @@ def sector_errors(stiffness: Fault) -> Iterator[None]:
 
 
 class Sector:
-    """A sector with its factor, for the waves of all nodal diameters."""
+    """A sector with what the waves of all nodal diameters share."""
 
     def __init__(
         self, part: Superelement, sectors: int, *, modes: int, loads: int, rigid: bool
     ) -> None:
-        """Factorise the shifted stiffness.
+        """Factorise the shifted stiffness, or find the order of elimination.
 
         Args:
             part: sector with left_dofs and right_dofs.
@@ -70,33 +82,48 @@ class Sector:
         """Coordinates on both faces, (f,)."""
         self.kept = np.setdiff1d(np.arange(part.size), part.right_dofs)
         """Coordinates that are not on the right face, (n,)."""
-        waves = sectors // 2 + 1
-        self._workers = min(cores(), waves)
+        waves, large = sectors // 2 + 1, len(self.faces) >= 2 * LARGE_FACE
+        # The large fronts of a large face use all cores, and take much memory.
+        self._workers = 1 if large else min(cores(), waves)
+        self._threads = cores() if large and part.size >= LARGE else 1
         announce(
             *(part.size, modes, loads),
             waves=waves,
-            faces=len(self.faces),
+            faces=0 if large else len(self.faces),
             workers=self._workers,
+            tied=large,
         )
         self.stiffness, self.mass = sp.csr_array(part.stiffness), sp.csr_array(part.mass)
         self.shift = small_shift(part) if rigid else 0.0
         shifted = self.stiffness + self.shift * self.mass if rigid else self.stiffness
+        self.tied: _Tied | None = None
+        if large:
+            self.tied = _Tied(sp.csr_array(shifted), part, sectors)
+            return
         threads = self._workers if part.size >= LARGE else 1  # more would slow small fronts
         with threadpool_limits(threads, user_api="blas"):
-            self.factor = Cholesky(sp.csr_array(shifted), self.faces)
+            self.factor = Cholesky.of(sp.csr_array(shifted), self.faces)
 
-    def each_wave(self, compute: Callable[["Wave"], Found]) -> Iterator[Found]:
-        """Yield what a function returns for the waves of nodal diameters 0, 1, ..., sectors / 2,
-        which are computed in parallel."""
-        diameters = range(self.sectors // 2 + 1)
+    def wave(self, k: int) -> "Wave":
+        """Return the wave of a nodal diameter.
+
+        Raises:
+            LinAlgError: the stiffness is not positive definite.
+        """
+        return CondensedWave(self, k) if self.tied is None else TiedWave(self, k)
+
+    def each_wave(
+        self, compute: Callable[[int], Found], diameters: Iterable[int] | None = None
+    ) -> Iterator[Found]:
+        """Yield what a function returns for nodal diameters, which are computed in parallel; by
+        default for 0, 1, ..., sectors / 2."""
+        if diameters is None:
+            diameters = range(self.sectors // 2 + 1)
         with (
-            threadpool_limits(1, user_api="blas"),
+            threadpool_limits(self._threads, user_api="blas"),
             ThreadPoolExecutor(self._workers) as pool,
         ):
-            jobs = [
-                pool.submit(copy_context().run, lambda k: compute(Wave(self, k)), k)
-                for k in diameters
-            ]
+            jobs = [pool.submit(copy_context().run, compute, k) for k in diameters]
             try:
                 for job in jobs:
                     yield job.result()
@@ -105,33 +132,81 @@ class Sector:
                     job.cancel()
 
 
+class _Tied:
+    """The tied matrices of all nodal diameters of a sector."""
+
+    def __init__(self, matrix: sp.csr_array, part: Superelement, sectors: int) -> None:
+        tie = sp.csr_array(transformation(part, sectors, 0))
+        assert part.right_dofs is not None
+        right = np.zeros(part.size)
+        right[part.right_dofs[part.right_dofs != FIXED]] = 1.0
+        on = sp.csr_array(sp.diags_array(right) @ tie)
+        rest = sp.csr_array(tie - on)
+        own, across = rest.T @ matrix @ rest + on.T @ matrix @ on, rest.T @ matrix @ on
+        patterns = (abs(own), abs(across), abs(across.T))
+        whole = sp.csr_array(sum(patterns, sp.csr_array(own.shape)))
+        self._angle, self._elimination = 2.0 * np.pi / sectors, Elimination.of(whole)
+        self._pattern = self._elimination.lower(whole)
+        both = own, across + across.T, across - across.T
+        self._own, self._even, self._odd = (self._placed(sp.csr_array(one)) for one in both)
+
+    def factor(self, k: int, *, real: bool) -> Cholesky:
+        """Return the factor for a nodal diameter; it is real for 0 and for half the sectors."""
+        data: Any = self._own + np.cos(k * self._angle) * self._even
+        if not real:
+            data = data + 1j * np.sin(k * self._angle) * self._odd
+        pattern = self._pattern
+        entries = data, pattern.indices, pattern.indptr
+        return Cholesky(self._elimination, sp.csc_array(entries, shape=pattern.shape))
+
+    def _placed(self, matrix: sp.csr_array) -> FloatArray:
+        """Return the entries of a matrix in the places of the pattern."""
+        keys = []
+        lower = self._elimination.lower(matrix)
+        for one in (self._pattern, lower):
+            column = np.repeat(np.arange(one.shape[1], dtype=np.int64), np.diff(one.indptr))
+            keys.append(column * one.shape[0] + one.indices)
+        found = np.zeros(len(keys[0]))
+        found[np.searchsorted(*keys)] = lower.data
+        return found
+
+
 class Wave(Pencil):
     """Matrices of a sector for one nodal diameter, without the coordinates on its right face."""
 
     def __init__(self, sector: Sector, k: int) -> None:
-        """Factorise the stiffness on the left face.
-
-        Raises:
-            LinAlgError: the stiffness is not positive definite.
-        """
         self.diameter = k
         self.tie = transformation(sector.part, sector.sectors, k)
         """Matrix from the coordinates of the wave to those of the sector, (sector, n)."""
         self.size, self.kind = self.tie.shape[1], complex if self.tie.dtype.kind == "c" else float
         self.shift, self._sector = sector.shift, sector
         self._back = sp.csr_array(self.tie.conj().T)
-        on_faces = self.tie[sector.faces]
-        self._left = np.unique(on_faces.indices)
-        self._faces = sp.csr_array(on_faces[:, self._left])
-        half = sector.factor.schur @ self._faces
-        schur = (half.conj().T @ self._faces).conj().T
-        self._schur = la.cho_factor(schur, lower=True, overwrite_a=True)
 
     def stiffness(self, x: Any) -> Any:
         return self.on_wave(self._sector.stiffness, x)
 
     def mass(self, x: Any) -> Any:
         return self.on_wave(self._sector.mass, x)
+
+    def on_wave(self, matrix: sp.csr_array, x: Any) -> Any:
+        """Return the product of a matrix of the sector with columns on the wave, (n, m)."""
+        return self._back @ self._typed(matrix @ _real(self.tie @ x))
+
+    def _typed(self, columns: FloatArray) -> Any:
+        return np.ascontiguousarray(columns).view(self.kind)
+
+
+class CondensedWave(Wave):
+    """A wave from the factor of the coordinates that are not on the faces."""
+
+    def __init__(self, sector: Sector, k: int) -> None:
+        super().__init__(sector, k)
+        on_faces = self.tie[sector.faces]
+        self._left = np.unique(on_faces.indices)
+        self._faces = sp.csr_array(on_faces[:, self._left])
+        half = sector.factor.schur @ self._faces
+        schur = (half.conj().T @ self._faces).conj().T
+        self._schur = la.cho_factor(schur, lower=True, overwrite_a=True)
 
     def shifted_solution(self, loads: Any) -> Any:
         sector = self._sector
@@ -143,12 +218,17 @@ class Wave(Pencil):
         faces = self._faces @ la.cho_solve(self._schur, onto)
         return self._typed(sector.factor.backward(inner, _real(faces)))[sector.kept]
 
-    def on_wave(self, matrix: sp.csr_array, x: Any) -> Any:
-        """Return the product of a matrix of the sector with columns on the wave, (n, m)."""
-        return self._back @ self._typed(matrix @ _real(self.tie @ x))
 
-    def _typed(self, columns: FloatArray) -> Any:
-        return np.ascontiguousarray(columns).view(self.kind)
+class TiedWave(Wave):
+    """A wave with a factor of its own."""
+
+    def __init__(self, sector: Sector, k: int) -> None:
+        super().__init__(sector, k)
+        assert sector.tied is not None
+        self._factor = sector.tied.factor(k, real=self.kind is float)
+
+    def shifted_solution(self, loads: Any) -> Any:
+        return self._factor.solve(np.ascontiguousarray(loads, dtype=self.kind))
 
 
 def _real(columns: Any) -> FloatArray:

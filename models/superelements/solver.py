@@ -100,7 +100,14 @@ def lanczos_vectors(modes: int) -> int:
 
 
 def announce(
-    coordinates: int, modes: int, loads: int, *, waves: int = 1, faces: int = 0, workers: int = 1
+    coordinates: int,
+    modes: int,
+    loads: int,
+    *,
+    waves: int = 1,
+    faces: int = 0,
+    workers: int = 1,
+    tied: bool = False,
 ) -> None:
     """Log the cost of a large reduction before it starts.
 
@@ -112,6 +119,7 @@ def announce(
             structures, whose vectors are real.
         faces: number of coordinates on both faces of a sector.
         workers: number of nodal diameters that are computed at the same time.
+        tied: whether each nodal diameter has a complex factor of its own.
 
     Raises:
         SuperelementError: the reduction needs more memory than this computer has.
@@ -124,8 +132,10 @@ def announce(
         watch.update(watch.done, watch.total)
     # Factor and fronts; then for each worker a Schur complement with its factor and the vectors.
     of_worker = numbers * (2 * coordinates * vectors + faces**2)
-    needed = 8.0 * (1.3 * entries + 2.0 * faces**2 + workers * of_worker)
-    time = FACTOR_SECONDS * coordinates**2 + SOLVE_SECONDS * numbers * entries * solves / workers
+    needed = 8.0 * ((1 + tied) * 1.3 * entries + 2.0 * faces**2 + workers * of_worker)
+    factors = numbers**2 * waves if tied else 1  # in real operations
+    time = FACTOR_SECONDS * factors * coordinates**2
+    time += SOLVE_SECONDS * numbers * entries * solves / workers
     cost = f"{needed / 1e9:.2g} GB of memory"
     if needed > (most := memory()):
         expected = (
@@ -289,7 +299,7 @@ class MatrixPencil(Pencil):
         self._stiffness, self._mass = sp.csr_array(stiffness), sp.csr_array(mass)
         self.size, self.shift = self._mass.shape[0], shift
         shifted = self._stiffness + shift * self._mass if shift else self._stiffness
-        self._factor = Cholesky(sp.csr_array(shifted))
+        self._factor = Cholesky.of(sp.csr_array(shifted))
 
     def stiffness(self, x: FloatArray) -> FloatArray:
         return np.asarray(self._stiffness @ x)

@@ -16,7 +16,6 @@ import bladewhirl as bw
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.superelements import kept_reduction
-from bladewhirl.models.superelements import sector as sector_module
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.kept_reduction import Arrays
 from bladewhirl.models.superelements.superelement import Superelement
@@ -198,13 +197,13 @@ def test_points_of_a_sweep_reduce_a_sector_once(
     """Stages that differ in casing and contact share the reduction, also of a small sector."""
     bw.write_superelement(tmp_path / "sector.npz", sector)
     made = []
-    factorised = Cholesky
+    factorised = Cholesky.of
 
     def counted(*args: Any) -> Any:
         made.append(args)
         return factorised(*args)
 
-    monkeypatch.setattr(sector_module, "Cholesky", counted)
+    monkeypatch.setattr(Cholesky, "of", counted)
     values = {
         "bladed_disk.superelement.file": str(tmp_path / "sector.npz"),
         "bladed_disk.superelement.kind": "sector",

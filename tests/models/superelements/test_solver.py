@@ -15,7 +15,7 @@ from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.reduction import massless, rigid_limit
-from bladewhirl.models.superelements.sector import Sector, Wave
+from bladewhirl.models.superelements.sector import CondensedWave, Sector, TiedWave, Wave
 from bladewhirl.models.superelements.solver import MatrixPencil
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError, dense
 from bladewhirl.models.superelements.wheel import WheelOverSpeeds
@@ -39,13 +39,13 @@ def sector() -> Superelement:
 def test_a_factor_solves_and_leaves_the_schur_complement(blade: Superelement) -> None:
     matrix = sp.csr_array(blade.stiffness)
     loads = np.random.default_rng(1).standard_normal((blade.size, 3))
-    factor = Cholesky(matrix)
+    factor = Cholesky.of(matrix)
     assert factor.entries < 0.5 * blade.size**2  # it is sparse
     expected = la.solve(dense(matrix), loads)
     assert factor.solve(loads) == pytest.approx(expected, rel=1e-7, abs=1e-9 * abs(expected).max())
     last = np.arange(7, blade.size, 40)
     inner = np.setdiff1d(np.arange(blade.size), last)
-    bordered = Cholesky(matrix, last)
+    bordered = Cholesky.of(matrix, last)
     a, b, c = (dense(matrix[i][:, j]) for i, j in ((inner, inner), (inner, last), (last, last)))
     schur = c - b.T @ la.solve(a, b, assume_a="pos")
     assert bordered.schur == pytest.approx(schur, rel=1e-8, abs=1e-9 * abs(schur).max())
@@ -59,13 +59,13 @@ def test_separate_parts_and_dense_matrices_are_factorised() -> None:
     blocks = [one @ one.T + np.eye(len(one)) for n in (1, 300, 4) for one in (rng.random((n, n)),)]
     matrix = la.block_diag(*blocks)
     loads = rng.standard_normal((len(matrix), 2))
-    assert matrix @ Cholesky(sp.csr_array(matrix)).solve(loads) == pytest.approx(loads, abs=1e-9)
+    assert matrix @ Cholesky.of(sp.csr_array(matrix)).solve(loads) == pytest.approx(loads, abs=1e-9)
 
 
 def test_matrices_that_are_not_positive_definite_are_refused() -> None:
     matrix = sp.diags_array([[1.0, 2.0, -1e-3]], offsets=[0])
     with pytest.raises(la.LinAlgError, match="not positive definite"):
-        Cholesky(sp.csr_array(matrix))
+        Cholesky.of(sp.csr_array(matrix))
     with pytest.raises(SuperelementError, match=r"^mass: expected a positive definite matrix$"):
         MatrixPencil(np.eye(3), np.diag([1.0, 2.0, -1.0])).lowest(2)
 
@@ -109,20 +109,30 @@ def test_a_free_blade_has_six_rigid_modes_and_a_finite_residual_flexibility() ->
         massless(free, 4)  # two rigid motions are left
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("rigid", [False, True])
-def test_waves_of_a_sector_are_those_of_dense_matrices(sector: Superelement, rigid: bool) -> None:
+@pytest.mark.parametrize(("large", "wave_type"), [(2000, CondensedWave), (10, TiedWave)])
+def test_waves_of_a_sector_are_those_of_dense_matrices(
+    sector: Superelement,
+    rigid: bool,
+    large: int,
+    wave_type: type[Wave],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     count, rows = 15, sector.contact_rows
     loads = np.eye(sector.size)[:, :4]
 
-    def computed(wave: Wave) -> tuple[Any, Any, Any]:
+    def computed(k: int) -> tuple[Any, Any, Any]:
+        wave = cyclic.wave(k)
         squares, shapes = wave.lowest(count)
         forces = wave.tie.conj().T @ loads
         return squares, wave.tie @ shapes, rows @ wave.tie @ wave.static(forces, shapes)
 
-    waves = list(Sector(sector, SECTORS, modes=count, loads=4, rigid=rigid).each_wave(computed))
-    assert len(waves) == SECTORS // 2 + 1
-    for k, (squares, fields, moved) in enumerate(waves):
+    monkeypatch.setattr("bladewhirl.models.superelements.sector.LARGE_FACE", large)
+    cyclic = Sector(sector, SECTORS, modes=count, loads=4, rigid=rigid)
+    assert isinstance(cyclic.wave(1), wave_type)
+    diameters = 0, 2, SECTORS // 2
+    for k, found in zip(diameters, cyclic.each_wave(computed, diameters), strict=True):
+        squares, fields, moved = found
         tie = transformation(sector, SECTORS, k)
         block = sector.projected(tie, ("mass", "stiffness"))
         stiffness, mass = block["stiffness"].toarray(), block["mass"].toarray()
