@@ -123,7 +123,7 @@ class ModalSuperelement(ModalModel):
     def by_centre(self) -> dict[str, ListedModes]:
         listed = self.blocks
         if self._table.kind == "blade":  # the same for every nodal diameter
-            listed = {UNKNOWN: self.blocks[0]}
+            listed = {UNKNOWN: replace(self.blocks[0], nodal_diameter=UNKNOWN)}
         found: dict[str, ListedModes] = {self.centre: self._modes(listed)}
         if self.clamped_blocks is not None:
             found["clamped"] = self._modes(self.clamped_blocks)

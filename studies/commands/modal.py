@@ -130,8 +130,9 @@ def campbell(
     the coincidence speeds inside --speeds; JSON lists all coincidence speeds, for every nodal
     diameter and family. A second table lists the speeds at which the lobes of the wall and engine
     orders excite the bladed disk, with free and with held tips: the resonance in a rub lies between
-    both. With --operating they are sorted by their distance from it. With --json or --html a
-    folder is made only if -o names it.
+    both. With --operating they are sorted by their distance from it, and a last table lists the
+    speeds to avoid in and near this range, with cause and margin. With --json or --html a folder is
+    made only if -o names it.
 
     Args:
         speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".

@@ -22,6 +22,8 @@ from bladewhirl.studies.modal.campbell_at_speed import (
 )
 from bladewhirl.studies.modal.resonances import COLUMNS as RESONANCES
 from bladewhirl.studies.modal.resonances import orders_of_case, resonances
+from bladewhirl.studies.modal.speeds_to_avoid import COLUMNS as AVOID
+from bladewhirl.studies.modal.speeds_to_avoid import NEAR, speeds_to_avoid
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of, table, texts
 
@@ -153,6 +155,7 @@ def campbell(
             "reference_frequency_hz": reference / hertz,
             "case_speed": stage.speed / reference,
             "speeds": shown,
+            "blades": stage.case.bladed_disk.count,
             "hints": "; ".join(stage.hints),
             "operating_range": operated,
         },
@@ -229,8 +232,11 @@ def _coincidences(diagram: xr.Dataset) -> Sequence[Column]:
 
 
 def _resonances(diagram: xr.Dataset) -> Sequence[Column]:
-    """Return the columns of resonances; the last only if an operating range is given."""
-    return RESONANCES[: -1 if operating_range(diagram) is None else None]
+    """Return the columns of resonances; the last only if an operating range is given, and those of
+    waves only with several blades."""
+    columns = RESONANCES[: -1 if operating_range(diagram) is None else None]
+    alone = diagram.attrs["blades"] == 1
+    return [each for each in columns if not (alone and each.key in {"k", "direction"})]
 
 
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
@@ -267,7 +273,7 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
     Raises:
         UserError: the page cannot be written, or exists and was not written by bladewhirl.
     """
-    document = coincidence_list(diagram)
+    document, operated = coincidence_list(diagram), operating_range(diagram)
     first, last = diagram.attrs["speeds"]
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
     tables = []
@@ -276,13 +282,18 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         tables.append(table(rows, _coincidences(diagram), title))
     if document.get("resonances"):
         title = "Resonances with waves of the wall and engine orders"
-        if operating_range(diagram) is not None:
+        if operated is not None:
             title += ", by distance from the operating range"
         tables.append(table(document["resonances"], _resonances(diagram), title))
     if document.get("critical_speeds"):
         title = f"Critical speeds up to {last:g} ω₁"
         tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))
         tables.append(facts(texts(document, SPECIAL_SPEEDS)))
+    if operated is not None:
+        low, high = (60.0 * diagram.attrs["reference_frequency_hz"] * each for each in operated)
+        document["speeds_to_avoid"] = speeds_to_avoid(document, (low, high))
+        title = f"Speeds to avoid, to {NEAR:.0%} from the operating range"
+        tables.append(table(document["speeds_to_avoid"], AVOID, title))
     if page is not None:
         from bladewhirl.postprocess.reports.campbell import campbell_page
         from bladewhirl.postprocess.reports.page import write_page

@@ -14,6 +14,7 @@ import bladewhirl as bw
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.beam_rotor import stiffness_of_blades
 from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.models.superelements import nodal_blocks
 from bladewhirl.studies.modal.amplification import amplification_rows
 from bladewhirl.studies.modal.response import largest
 
@@ -90,8 +91,9 @@ def test_patterns_of_beams_have_the_amplification_of_their_responses(
 
 
 def test_patterns_of_an_exported_sector_have_the_amplification_of_their_responses(
-    tmp_path: Path,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """All patterns follow from one reduction, without motions of mistuned blades."""
     tuned = exported(
         beams("sector"),
         "sector",
@@ -101,7 +103,17 @@ def test_patterns_of_an_exported_sector_have_the_amplification_of_their_response
         reduction={"free_interface_modes": 6},
     )
     case, speeds = bw.with_values(tuned, spread()), np.linspace(0.4, 0.7, 16).tolist()
-    data = bw.amplification(case, draws=5, speeds=speeds)
+    reduced: list[bool] = []
+    compute = nodal_blocks.sector_blocks
+
+    def counted(*given: Any, **options: Any) -> Any:
+        reduced.append(options["mistuned"])
+        return compute(*given, **options)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("bladewhirl.models.superelements.wheel.sector_blocks", counted)
+        data = bw.amplification(case, draws=5, speeds=speeds)
+    assert reduced == [False]
     expected = [directly(case, draw, speeds, tuned) for draw in range(5)]
     assert data["amplification"].values[0] == pytest.approx(expected, rel=1e-4)
 

@@ -102,3 +102,37 @@ def test_unequal_blades_have_no_bands() -> None:
     assert "resonance" not in bw.campbell(case).dims
     with pytest.raises(UserError, match="campbell: orders: expected equal sectors"):
         bw.campbell(case, orders=[3])
+
+
+def test_speeds_to_avoid_lie_in_or_near_the_operating_range(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(bw.dumps_case(curved(rotation={"effects": "full"})), encoding="utf-8")
+    words = (
+        "campbell",
+        case,
+        "--families",
+        2,
+        "--speeds",
+        "0:3",
+        "--operating",
+        "0.4:1.5",
+        "--json",
+    )
+    document = json.loads(answer(*words).stdout)
+    rows = document["speeds_to_avoid"]
+    low, high = (60.0 * document["reference_frequency_hz"] * each for each in (0.4, 1.5))
+    ends = [
+        (min(r["free_rpm"], r["held_rpm"]), max(r["free_rpm"], r["held_rpm"]))
+        for r in document["resonances"]
+    ]
+    ends += [(row["speed_rpm"],) * 2 for row in document["coincidences"]]
+    ends += [(row["rpm"],) * 2 for row in document["critical_speeds"]]
+    near = sorted(end for end in ends if end[0] <= 1.2 * high and end[1] >= 0.8 * low)
+    found = [(row["from_rpm"], row["to_rpm"]) for row in rows if row["to_rpm"] is not None]
+    assert len(near) > 2
+    assert np.array(sorted(found)) == pytest.approx(np.array(near))
+    assert {row["cause"].split()[0] for row in rows} >= {"order"}
+    for row in rows:
+        inside = row["from_rpm"] <= high and (row["to_rpm"] or np.inf) >= low
+        assert (row["margin"] == 0.0) == inside
+    assert [row["margin"] for row in rows] == sorted(row["margin"] for row in rows)

@@ -12,12 +12,14 @@ import xarray as xr
 from command_line import answer, refusal
 from exported_stages import BLADES, Kind, beams, exported
 from rod_blade import blade, tables
+from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
 from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.modal_superelement import modal_superelement
 from bladewhirl.models.structure.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.superelements import nodal_blocks
+from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
 from bladewhirl.studies.modal.modes import mode_lists
@@ -75,6 +77,50 @@ def test_as_many_modes_are_listed_as_are_asked_for(
     lists = [mode_lists(each, 9)["bladed_disk"] for each in (some, every)]
     assert lists[0] == lists[1]
     assert len({(mode["family"], mode["nodal_diameter"]) for mode in lists[0]}) == 9
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+def test_waves_with_coriolis_forces_need_few_modes(effects: str, tmp_path: Path) -> None:
+    """Compared with the quadratic eigenproblem of all coordinates of a sector at the speed."""
+    part = bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2, coriolis=True)
+    bw.write_superelement(file := tmp_path / "part.npz", part)
+    table = {"file": str(file), "kind": "sector", "copies": SECTORS}
+    speed, k = 1500.0, 2
+    case = bw.case_from(
+        {
+            "bladed_disk": {"superelement": table},
+            "casing": {"type": "rigid"},
+            "rotation": {"effects": effects},
+            "march": {"speed": f"{speed} rad/s"},
+        }
+    )
+    model = modal_superelement(case, count=3)
+    block, tie = model.blocks[k], transformation(part, SECTORS, k)
+    assert block.size < 60  # 109 modes at each of three speeds before
+    turned = part if effects == "none" else part.at(speed, "full")
+    names = ("mass", "stiffness", "gyroscopic")
+    mass, stiffness, gyroscopic = (m.toarray() for m in turned.projected(tie, names).values())
+    exact = gyroscopic_frequencies(mass, stiffness, speed * gyroscopic)
+    found = block.frequencies(speed)
+    for sign in (1.0, -1.0):  # backward and forward waves
+        both = [np.sort(sign * each[sign * each.real > 0.0].real)[:3] for each in (found, exact)]
+        assert both[0] == pytest.approx(both[1], rel=1e-6)
+    apart = abs(both[1] / np.sort(exact[exact.real > 0.0].real)[:3] - 1.0).max()
+    assert apart > 1e-4  # the forces have an effect
+
+
+@pytest.mark.parametrize("effects", ["none", "full"])
+def test_modes_of_one_blade_with_coriolis_forces_have_families_and_no_diameters(
+    effects: str, tmp_path: Path
+) -> None:
+    part = bw.mesh3d(cantilever("hexahedron"), **STEEL, contacts=2, coriolis=True)
+    bw.write_superelement(file := tmp_path / "part.npz", part)
+    table = {"file": str(file), "kind": "blade", "copies": 1}
+    values = {"bladed_disk": {"superelement": table}, "casing": {"type": "rigid"}}
+    case = bw.case_from(values | {"rotation": {"effects": effects}})
+    rows = mode_lists(bw.modes(case, count=3), 3)["bladed_disk"]
+    assert [row["family"] for row in rows] == ["1F", "2F", "3F"]
+    assert {row["nodal_diameter"] for row in rows} == {-1}
 
 
 @pytest.mark.slow
