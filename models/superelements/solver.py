@@ -308,4 +308,4 @@ class MatrixPencil(Pencil):
         return np.asarray(self._mass @ x)
 
     def shifted_solution(self, loads: FloatArray) -> FloatArray:
-        return self._factor.solve(np.ascontiguousarray(loads))
+        return np.asarray(self._factor.solve(np.ascontiguousarray(loads)))
