@@ -11,6 +11,7 @@ from bladewhirl.postprocess.energy.growth import amplitude_growth, plot_growth
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import (
     family_energies,
+    group_energies,
     plot_energy,
     plot_family_energies,
     strain_energies,
@@ -43,6 +44,12 @@ class TestStrainEnergies:
             expected = spring if group == GROUPS[mode] else 0.0 * spring
             np.testing.assert_allclose(energy, expected, rtol=1e-13, atol=0)
         np.testing.assert_allclose(energies.total, spring, rtol=1e-13)
+
+    def test_modes_without_families_are_springs_too(self) -> None:
+        result = single(2)
+        energy, diameters = group_energies(result.drop_vars("rotor_family"))
+        assert not diameters.size
+        np.testing.assert_allclose(energy[:, 0], strain_energies(result).total, rtol=1e-13)
 
     def test_the_first_family_is_reported_by_nodal_diameter(self) -> None:
         result = single(3)

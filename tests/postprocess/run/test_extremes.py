@@ -14,6 +14,7 @@ from bladewhirl.postprocess.energy import works as energy_works
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.works import (
     drive_work,
+    friction_supply,
     late_drive_power,
     leading_source,
     works,
@@ -193,6 +194,20 @@ def test_works_add_up_and_a_drive_at_rest_does_none(tmp_path: Path, wall: str) -
     # The same terms without the rule for a speed of zero.
     balance = drive_work(result.assign_attrs(speed=1e-12))[-1]
     assert np.isnan(balance) if wall == "coated" else abs(balance) < 1e-3 * abs(actual["normal"])
+
+
+def test_friction_takes_the_work_of_the_mean_speed_since_the_last_record() -> None:
+    """2 N s before each of four records, while the speed rises from 10 to 50 rad/s."""
+    speed, impulse = np.array([10.0, 20.0, 30.0, 40.0, 50.0]), np.zeros((5, 22))
+    impulse[1:, 3] = 2.0
+    result = synthetic.resting(5).assign(
+        friction_impulse=(("time", "contact_node"), impulse),
+        rotation_speed=("time", speed),
+        rotation_angle=("time", 1e-3 * np.cumsum(speed)),
+    )
+    radius = float(result.attrs["tip_radius"])
+    expected = 2.0 * radius * np.array([0.0, 15.0, 40.0, 75.0, 120.0])
+    np.testing.assert_allclose(friction_supply(result), expected, rtol=1e-12)
 
 
 @pytest.mark.slow

@@ -105,7 +105,9 @@ def test_the_other_torque_is_what_the_momentum_gains_besides(
 
 
 def test_a_prescribed_speed_needs_the_torque_of_its_inertia(through: xr.Dataset) -> None:
-    _, data = RunFigures(through).draw("torques")
+    figure, data = RunFigures(through).draw("torques")
+    drawn = np.asarray(figure.axes[0].lines[0].get_ydata())
+    assert drawn.max() == pytest.approx(9500.0, rel=1e-2)
     model = build_beams(loads(f"{FULL}{CASE}{TABLE}")).disk.model
     mesh, places = model.mesh, np.asarray((np.arange(200) + 0.5) / 200.0)
     ends = mesh.points[mesh.lines]
@@ -153,8 +155,9 @@ def test_orbits_at_the_crossings_of_critical_speeds(through: xr.Dataset) -> None
 
 
 def test_no_crossing_is_said(through: xr.Dataset) -> None:
-    slow = through.assign(critical_speed=through["critical_speed"] + 2000.0)
-    with pytest.raises(ViewError, match="passes no critical speed; the lowest one is"):
+    slow = through.assign(critical_speed=0.0 * through["critical_speed"] + 1000.0 * np.pi)
+    message = "passes no critical speed; the lowest one is 30000 rpm"  # 500 turns a second
+    with pytest.raises(ViewError, match=message):
         RunFigures(slow).draw("critical-orbits")
 
 
