@@ -143,6 +143,18 @@ def test_an_unbalance_turns_a_rigid_rotor_about_its_centre_of_mass_far_above() -
     assert np.abs(right).max() < 1e-9 * np.abs(left).max()
 
 
+def test_a_couple_works_on_the_tilt_of_its_node() -> None:
+    """On a rigid motion that moves by z and tilts by 1, which strains nothing."""
+    unbalance = [{"position": 0.4, "unbalance": 1e-3, "couple": 2e-5, "couple_phase": 0.3}]
+    line = line_of(bearings=UNEQUAL, unbalance=unbalance)
+    rigid = np.ones(line.size)
+    rigid[::2][: len(line.position)] = line.position
+    strained = np.abs(line.shaft_stiffness @ rigid).max()
+    assert strained < 1e-9 * np.abs(line.shaft_stiffness).max()
+    force = line.unbalance_force(line.table.unbalance)
+    assert rigid @ force == pytest.approx(0.4e-3 + 2e-5 * np.exp(0.3j), rel=1e-12)
+
+
 def test_the_response_follows_from_integration_in_time() -> None:
     """The steady motion satisfies the equations of motion at any instant."""
     unbalance = [{"position": 0.4, "unbalance": 1e-3, "phase": 0.4, "couple": 2e-5}]

@@ -8,9 +8,12 @@ from contact_cases import ledger_residual, run, run_as_reference, thrown
 from faults import faults
 from stages import stage
 
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.ring import flexible_ring
+from bladewhirl.models.stage.superelement_springs import coupling_springs
 
 COARSE = ("reduction.fixed_interface_modes=22", "casing.elements=20")
 POINT = ("march.speed=1.17", "coupling.stiffness=500")
@@ -90,6 +93,20 @@ def test_a_single_mode_on_springs_marches_as_written_out() -> None:
     whole = np.diag(frequency**2) + springs.stiffness(angle=angles)
     highest = np.sqrt(np.linalg.eigvalsh(whole).max())
     assert springs.highest_frequency == pytest.approx(highest, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [0.05, 2.0])  # most of the motion in the casing, or in the blades
+def test_springs_of_blades_with_any_modes_keep_their_bound_of_the_frequency(size: float) -> None:
+    """The stiffest motion of both bodies on springs that are stiffer than the bodies."""
+    tables = {"casing": {"elements": 12}, "coupling": {"stiffness": 1e13}}
+    case, random = Case.model_validate(tables), np.random.default_rng(6)
+    ring, outward = flexible_ring(case), size * random.normal(size=(4, 9))
+    rotor, angle = random.uniform(0.0, 3e3, 9), 0.5 * np.pi * np.arange(4.0)
+    springs = coupling_springs(case, outward, angle, rotor, ring)
+    frequency = np.concatenate([rotor, ring.reduced_casing.frequency])[springs.places]
+    whole = np.diag(frequency**2) + springs.stiffness(angle=np.linspace(0.0, 6.0, 40))
+    highest = np.linalg.eigvalsh(whole).max()
+    assert highest < springs.highest_frequency**2 < 1.5 * highest
 
 
 def test_amplitudes_are_those_of_tips_and_casing() -> None:

@@ -41,6 +41,10 @@ def test_a_dataset_describes_motions_at_speeds() -> None:
     assert data["rpm"].values == pytest.approx([7000.0, 11000.0])
     assert data["period"].values == pytest.approx([30.0 / 7000.0, 30.0 / 11000.0])
     assert data["order"].values[:3].tolist() == [0, 2, 4]
+    moved, amplitude = data["contact_displacement"], data["amplitude"]
+    assert amplitude.isel(order=0).values == pytest.approx(np.abs(moved.mean("instant").values))
+    square = amplitude.isel(order=0) ** 2 + 0.5 * (amplitude[:, 1:] ** 2).sum("order")
+    assert square.values == pytest.approx((moved**2).mean("instant").values, rel=1e-2, abs=1e-12)
     pushed = -data["contact_force"].sel(direction="radial").sum("node").mean("instant")
     turns = 2.0 * data["period"]
     assert (pushed * turns).values == pytest.approx(data["impulse_per_revolution"].values, rel=5e-3)
