@@ -177,12 +177,12 @@ class SolidMakers:
         if deck.name not in ("deck.inp", "parts.inp") and deck.suffix not in (".cdb", ".bdf"):
             given |= STEEL
         given |= GROUPS.get(deck.suffix, {})
-        return ["mesh3d", str(deck), json.dumps(given)]
+        return ["bw.mesh3d", str(deck), json.dumps(given)]
 
 
 def run(words: list[str]) -> None:
-    """Give a command, or make and inspect a superelement of a mesh of solids as `mesh3d`."""
-    if words[0] != "mesh3d":
+    """Give a command, or make and inspect a superelement of a mesh of solids as `bw.mesh3d`."""
+    if words[0] != "bw.mesh3d":
         sys.argv = ["bladewhirl", *words]
         main()
         return
