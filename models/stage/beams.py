@@ -228,7 +228,7 @@ class Beams(Stage):
         blades = [shapes.T @ (each @ shapes) for each in stiffness_of_blades(self.disk)]
         return own, BladeStiffness(blades=np.array(blades), slope=slope, at_rest=at_rest)
 
-    def faults(self) -> Iterator[Fault]:
+    def own_faults(self) -> Iterator[Fault]:
         return foreshortening_faults(self.case, self.disk.model)
 
     @property
@@ -238,7 +238,7 @@ class Beams(Stage):
             " reduction.fixed_interface_modes"
         )
 
-    def hints(self) -> Iterator[str]:
+    def own_hints(self) -> Iterator[str]:
         return _free_ends(self.disk.model)
 
     @property

@@ -23,7 +23,7 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
         *_fed_whirl(stage),
         *(_stiff_loss(stage.case, stage.inertia) if stage.case.march.drive else ()),
         *_lossy_ring(stage),
-        *stage.hints(),
+        *stage.own_hints(),
     )
 
 

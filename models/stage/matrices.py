@@ -275,7 +275,7 @@ class Matrices(Stage):
     def fewer_modes(self) -> str:
         return 'fewer reduction.free_interface_modes, or reduction.boundary = "massless"'
 
-    def hints(self) -> Iterator[str]:
+    def own_hints(self) -> Iterator[str]:
         """Yield warnings about contact nodes and matrices of the file that are not used, about a
         damping matrix that adds to the modal damping, and about a contact node that the given
         friction locks against the wall."""

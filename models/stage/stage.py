@@ -255,7 +255,7 @@ class Stage(Ring, ABC):
             UserError: the stiffness of the blades is not known.
         """
 
-    def faults(self) -> Iterator[Fault]:
+    def own_faults(self) -> Iterator[Fault]:
         """Yield errors that prevent time integration and that not every stage can have."""
         yield from ()
 
@@ -264,7 +264,7 @@ class Stage(Ring, ABC):
     def fewer_modes(self) -> str:
         """Changes of the case that raise the critical time step, in words."""
 
-    def hints(self) -> Iterator[str]:
+    def own_hints(self) -> Iterator[str]:
         """Yield warnings about implausible values that not every stage can have, one line each."""
         yield from ()
 

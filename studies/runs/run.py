@@ -13,6 +13,7 @@ from bladewhirl.files import claim, owned, remove_leftovers, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import CaseError, Hint, UserError, writing
+from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder, recorded_march
@@ -75,7 +76,7 @@ def run(
     prepared = prepare(case)
     window.check(prepared.timing.duration)
     check_gauges(prepared)
-    for hint in prepared.stage.hints():
+    for hint in stage_hints(prepared.stage):
         warnings.warn(hint, Hint, stacklevel=2)
     with writing(directory):
         recorded_march.check_room(directory, recorded_march.expected_bytes(prepared))
@@ -154,7 +155,7 @@ def _march_and_sum_up(
         begin=begin,
     )
     done = write_outputs(place, report, window)
-    return replace(done, hints=(*prepared.stage.hints(), *done.hints))
+    return replace(done, hints=(*stage_hints(prepared.stage), *done.hints))
 
 
 @contextmanager

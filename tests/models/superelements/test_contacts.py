@@ -109,7 +109,7 @@ def test_a_file_with_nodes_on_both_faces_is_marched_with_one_of_each(tmp_path: P
     assert file.bladed_disk.superelement.part.contacts == 4
     stage = build_matrices(file)
     assert stage.part.contacts == 4 * SECTORS
-    assert "2 contact nodes of the file are left out" in next(stage.hints())
+    assert "2 contact nodes of the file are left out" in next(stage.own_hints())
     result, report = march_in_memory(prepare(file))
     expected, _ = march_in_memory(prepare(case(tmp_path / "once.npz", part)))
     assert report["unsolved_steps"] == 0

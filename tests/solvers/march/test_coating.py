@@ -9,6 +9,8 @@ from contact_cases import small_problem, thrown
 
 from bladewhirl.models.case.coating import Coating, WornProfile
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.modal.describe import stage_arrays
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import CoatingRecords
@@ -101,8 +103,10 @@ def test_a_march_that_a_coating_does_not_allow(tables: dict[str, Any], message: 
 
 
 def test_tips_that_end_no_beam_need_a_footprint(monkeypatch: pytest.MonkeyPatch) -> None:
-    place = "bladewhirl.models.stage.coating._tip_thickness"
-    monkeypatch.setattr(place, lambda stage: np.full(5, np.inf))
+    def loose(*given: Any, **walls: Any) -> StageArrays:
+        return replace(stage_arrays(*given, **walls), tip_node=np.full(5, -1))
+
+    monkeypatch.setattr("bladewhirl.models.stage.beams.stage_arrays", loose)
     with pytest.raises(CaseError, match=r"coating.footprint.*: expected a length, because"):
         problem({})
     assert problem({"footprint": 0.01}).coating is not None

@@ -11,7 +11,7 @@ from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.stage.build_matrices import build_matrices
-from bladewhirl.models.stage.forced import forced
+from bladewhirl.models.stage.forced import forced_rotor
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import Superelement, dense
@@ -104,7 +104,7 @@ def forces(kind: str, whole: Superelement, points: IntArray) -> ComplexArray:
 def statically(stage: Matrices) -> tuple[ComplexArray, ComplexArray]:
     """Displacements of the contact nodes of each copy by the modes, and by what they leave out."""
     (load,) = engine_orders(stage.case)
-    (disk,) = forced(stage, [load], [stage.speed])
+    disk = forced_rotor(stage, [load])
     ((_, force),), ((_, rest),) = disk.forces.items(), disk.static.items()
     modal = force.reshape(stage.copies, -1) / stage.reduced.frequency**2
     return modal / stage.factor[:, None] @ stage.reduced.contact.T, rest
