@@ -87,11 +87,13 @@ def _axis(mesh: VolumeMesh, notes: list[str]) -> tuple[str, Sector | None, bool]
     """Return the axis of rotation, a sector about it, and whether the mesh is a whole wheel."""
     placed = {axis: replace(mesh, points=mesh.points[:, AXES[axis]]) for axis in AXES}
     sectors = {axis: found for axis, one in placed.items() if (found := find_sector(one))}
-    if len(sectors) == 1:
+    with_bore = {axis: found for axis, found in sectors.items() if not found.on_axis}
+    if len(sectors := with_bore or sectors) == 1:
         ((axis, sector),) = sectors.items()
         number = f"{len(sector.left)} nodes each"
         notes.append(
             f"copies: cut faces, {number}, match after 1/{sector.copies} of a turn about {axis}"
+            + " and meet on it: the nodes there have to be clamped" * sector.on_axis
         )
         return axis, sector, False
     wheels = [axis for axis, one in placed.items() if _goes_round(one)]

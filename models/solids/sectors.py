@@ -21,6 +21,8 @@ OPEN = 0.75
 """Smallest share of a pitch that nodes of a sector leave free about the axis."""
 
 
+FEW = 6  #: a box or a prism with an edge on the axis looks like one of so few sectors
+
 MOST_COPIES = 1000  #: largest number of sectors that is found
 
 
@@ -30,6 +32,11 @@ class Sector(NamedTuple):
     copies: int  #: number of sectors of the wheel
     left: IntArray  #: nodes of the clockwise face, ascending
     right: IntArray  #: nodes of the counter-clockwise face, ascending
+
+    @property
+    def on_axis(self) -> bool:
+        """Whether both faces meet on the axis."""
+        return len(np.intersect1d(self.left, self.right)) > 0
 
 
 def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
@@ -41,7 +48,7 @@ def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
 
     Args:
         mesh: mesh with the axis of rotation z.
-        copies: number of sectors; by default any, of faces that do not meet on the axis.
+        copies: number of sectors; by default any, but above `FEW` if the faces meet on the axis.
     """
     corners, nodes = surface_faces(mesh)
     at, normal, area = _centres(mesh.points, corners)
@@ -76,8 +83,9 @@ def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
     first, second = first[first >= 0], second[second >= 0]
     forward = rotate(mesh.points[first], 2.0 * np.pi / found)
     apart = cKDTree(mesh.points[second]).query(forward)[0].max()
-    on_axis = copies is None and len(np.intersect1d(first, second))
-    return Sector(found, first, second) if apart <= close and not on_axis else None
+    sector = Sector(found, first, second)
+    by_chance = copies is None and sector.on_axis and found <= FEW
+    return sector if apart <= close and not by_chance else None
 
 
 def _centres(points: FloatArray, corners: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:

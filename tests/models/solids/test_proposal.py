@@ -70,6 +70,35 @@ def test_blades_and_wheels_have_no_cut_faces(mesh: meshio.Mesh) -> None:
         assert find_sector(read_volume_mesh(turned(mesh, axis))) is None
 
 
+def test_a_sector_that_reaches_the_axis_is_proposed_with_clamped_nodes_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A prism at the axis and two bricks, a twelfth of a disk."""
+    monkeypatch.chdir(tmp_path)
+    half = np.pi / SECTORS
+    sides = [(r * np.cos(a), r * np.sin(a)) for r in (0.05, 0.1, 0.15) for a in (-half, half)]
+    points = [(x, y, z) for z in (0.0, 0.02) for x, y in [(0.0, 0.0), *sides]]
+    prism, bricks = [0, 1, 2], [[1, 3, 4, 2], [3, 5, 6, 4]]
+    mesh = meshio.Mesh(
+        np.array(points),
+        [
+            ("wedge", np.array([[*prism, *(n + 7 for n in prism)]])),
+            ("hexahedron", np.array([[*one, *(n + 7 for n in one)] for one in bricks])),
+        ],
+    )
+    mesh.write("disk.vtu")
+    printed = answer("mesh", "disk.vtu").stdout
+    assert f"match after 1/{SECTORS} of a turn about z and meet on it" in " ".join(printed.split())
+    [line] = [one for one in printed.splitlines() if " mesh3d " in one]
+    for key, value in STEEL.items():
+        option = f"--{key.replace('_', '-')}"
+        line = line.replace(f"{option} '?'", f"{option} {shlex.quote(str(value))}")
+    answer(*shlex.split(line)[1:])
+    part = bw.read_superelement("disk.npz")
+    assert part.sectors == SECTORS
+    assert part.size == 36  # all nodes but those on the axis
+
+
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
 @pytest.mark.parametrize("named", [True, False])
 def test_a_proposal_pasted_as_it_is_makes_the_part(
