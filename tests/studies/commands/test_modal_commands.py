@@ -21,7 +21,9 @@ from bladewhirl.files import MANIFEST_NAME, listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.postprocess.modal import motion
+from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal import mode_pictures
+from bladewhirl.studies.modal.study import Study
 
 SMALL = ("--set", "bladed_disk.blades=5", "--set", "bladed_disk.elements_per_blade=2")
 
@@ -42,6 +44,23 @@ def document(command: str, *arguments: str) -> dict[str, Any]:
     content = json.loads(result.stdout)
     assert isinstance(content, dict)
     return content
+
+
+def test_tables_are_printed_before_figures_are_drawn(
+    case: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    printed: list[str] = []
+    drawing = Study.draw
+
+    def draw(study: Study, folder: Path, *, overwrite: bool = False) -> None:
+        printed.append(capsys.readouterr().out)
+        drawing(study, folder, overwrite=overwrite)
+
+    monkeypatch.setattr(Study, "draw", draw)
+    with pytest.raises(SystemExit):
+        app(["campbell", str(case), *SMALL, "--families", "1"])
+    assert "Coincidence speeds" in printed[0]
+    assert "Wrote fan-campbell." in capsys.readouterr().out
 
 
 @pytest.mark.slow
