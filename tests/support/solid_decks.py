@@ -173,7 +173,7 @@ class SolidMakers:
     def _mesh3d(self, deck: Path, chance: random.Random) -> list[str]:
         if chance.random() < 0.2:
             return ["mesh", str(deck)]
-        given: dict[str, Any] = {"unit": "mm", **STEEL} if deck.name == "blade.msh" else {}
+        given: dict[str, Any] = {"length_unit": "mm", **STEEL} if deck.name == "blade.msh" else {}
         if deck.name not in ("deck.inp", "parts.inp") and deck.suffix not in (".cdb", ".bdf"):
             given |= STEEL
         given |= GROUPS.get(deck.suffix, {})
@@ -181,7 +181,7 @@ class SolidMakers:
 
 
 def run(words: list[str]) -> None:
-    """Give a command, or make and inspect a superelement of a mesh of solids as `bw.mesh3d`."""
+    """Give a command, or make and inspect a superelement of a mesh of solids by `bw.mesh3d`."""
     if words[0] != "bw.mesh3d":
         sys.argv = ["bladewhirl", *words]
         main()
