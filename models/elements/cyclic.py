@@ -9,7 +9,7 @@ backward.
 
 The columns of the real DFT are numbered 0 for k = 0, 2k - 1 for the cosine and 2k for the sine of
 k = 1..floor((N-1)/2), and N - 1 for k = N/2 when N is even. (The paper's floor(N/2 - 1) holds for
-even N only; its Eqs 11-13 are used with the corrected constant, see `real_dft`.)
+even N only; its Eqs 11-13 are used with the corrected constant, see `structure.dft.real_dft`.)
 """
 
 from collections.abc import Iterator
@@ -26,27 +26,6 @@ this fraction of the largest entry in the same row or column. As this scale is l
 spring that differs from the others is noticed even if the matrix also contains stiff beams."""
 
 NO_COLUMN = -1  #: DFT column of a mode computed without cyclic symmetry
-
-
-def real_dft(sectors: int) -> FloatArray:
-    """Return the orthonormal real DFT, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
-
-    If the centre moves by a distance `a`, its components in the axes of sector n are
-    a (cos n alpha, -sin n alpha). Their transforms are a sqrt(N/2) in k = 1 and zero in every other
-    k, so the centre is coupled to k = 1 only. Eq. (13) is printed with another constant, which does
-    not change this.
-    """
-    angles = 2.0 * np.pi * np.arange(sectors) / sectors
-    basis = np.empty((sectors, sectors))
-    for column in range(sectors):
-        k, sine = nodal_diameter_of(column), column % 2 == 0
-        basis[:, column] = np.sin(k * angles) if sine and k else np.cos(k * angles)
-    return np.asarray(basis / np.linalg.norm(basis, axis=0))
-
-
-def nodal_diameter_of(column: int) -> int:
-    """Return the nodal diameter of a column of the real DFT."""
-    return (column + 1) // 2
 
 
 def nodal_diameters(sectors: int) -> range:

@@ -21,7 +21,7 @@ from bladewhirl.models.elements.build import (
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.elements.cost import modal_cost, tell_cost
-from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of, nodal_diameters
+from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameters
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.describe import casing_arrays, stage_arrays
@@ -43,6 +43,7 @@ from bladewhirl.models.modal.touching import Tips
 from bladewhirl.models.modal.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
 from bladewhirl.models.rotation.at_speed import speed_of_growth, turning_disk
 from bladewhirl.models.rotation.critical_speeds import shaft_waves
+from bladewhirl.models.structure.dft import nodal_diameter_of
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.models.structure.waves import Waves
 

@@ -9,14 +9,9 @@ import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import (
-    NO_COLUMN,
-    SectorLayout,
-    is_pair,
-    nodal_diameter_of,
-    wave_shares,
-)
+from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair, wave_shares
 from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.structure.dft import nodal_diameter_of
 
 DENSE_LIMIT = 3000  #: largest structure whose modes are computed by a dense solver
 

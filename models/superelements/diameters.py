@@ -9,7 +9,7 @@ back by it.
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import nodal_diameter_of, real_dft
+from bladewhirl.models.structure.dft import nodal_diameter_of, real_dft
 
 SAME = 1e-9  #: angles that differ by less are the same [rad]
 

@@ -10,8 +10,7 @@ from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.periodic.dataset import of_sweep
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import set_title
-from bladewhirl.postprocess.sweep.drawing import key_words
+from bladewhirl.postprocess.plotting.titles import key_words, set_title
 from bladewhirl.solvers.periodic.bifurcation import KINDS
 
 MARKS = dict(zip(KINDS, "osD", strict=True))

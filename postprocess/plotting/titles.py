@@ -87,3 +87,8 @@ def _width(line: str, size: float) -> float:
     outline = TextPath((0, 0), line, size=size, usetex=False)
     corners = np.asarray(outline.vertices)[outline.codes != TextPath.CLOSEPOLY]
     return float(np.ptp(corners[:, 0])) if len(corners) else 0.0
+
+
+def key_words(name: str) -> str:
+    """Return the name of a key as words: "march speed" for march.speed."""
+    return name.replace(".", " ").replace("_", " ")

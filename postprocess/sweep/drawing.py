@@ -20,7 +20,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, new_figure
-from bladewhirl.postprocess.plotting.titles import set_title
+from bladewhirl.postprocess.plotting.titles import key_words, set_title
 from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
@@ -138,11 +138,6 @@ def edges_of(place: Array) -> Array:
 def is_wide(values: Array) -> bool:
     """Return true if the values are positive and their range is wide: use a logarithmic axis."""
     return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
-
-
-def key_words(name: str) -> str:
-    """Return the name of a key as words: "march speed" for march.speed."""
-    return name.replace(".", " ").replace("_", " ")
 
 
 def key_label(values: xr.DataArray) -> str:

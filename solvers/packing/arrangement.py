@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, real_dft
+from bladewhirl.models.elements.cyclic import is_pair
 from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.structure.dft import nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 
 PAIR = 2 * lib.LANES  # the kernel processes the columns of a casing two registers at a time

@@ -14,14 +14,13 @@ from bladewhirl.models.elements.cyclic import (
     SectorLayout,
     evenly_spaced,
     is_pair,
-    nodal_diameter_of,
     nodal_diameters,
-    real_dft,
     wave_parts,
     wave_shares,
 )
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.labels import structure_modes
+from bladewhirl.models.structure.dft import nodal_diameter_of, real_dft
 
 
 @cache

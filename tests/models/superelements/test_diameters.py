@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import bladewhirl as bw
-from bladewhirl.models.elements.cyclic import nodal_diameter_of, real_dft
+from bladewhirl.models.structure.dft import nodal_diameter_of, real_dft
 from bladewhirl.models.superelements.diameters import blade_numbers, turned_to_diameters
 from bladewhirl.models.superelements.reduction import consistent
 from bladewhirl.models.superelements.superelement import Superelement

@@ -5,7 +5,7 @@ import pytest
 from contact_cases import stage_problem
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.cyclic import real_dft
+from bladewhirl.models.structure.dft import real_dft
 from bladewhirl.solvers.kernel.structs import CACHE_LINE, aligned
 from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics
 from bladewhirl.solvers.packing.casing import pack_casing
