@@ -1,4 +1,4 @@
-"""The real discrete Fourier transform (DFT) over sectors, by the conventions of `elements.cyclic`."""
+"""The real discrete Fourier transform (DFT) over sectors, as `elements.cyclic` describes it."""
 
 import numpy as np
 
