@@ -9,6 +9,7 @@ with the eigenvalue s, whose imaginary part is not negative: f whirls counter-cl
 clockwise.
 """
 
+import warnings
 from dataclasses import dataclass
 from typing import Literal
 
@@ -172,7 +173,12 @@ def unbalance_response(line: LineModel, omega: float) -> tuple[ComplexArray, Com
     mass, damping, stiffness = line.matrices(omega)
     force = omega**2 * line.unbalance_force(line.table.unbalance)
     dynamic = stiffness + 1j * omega * damping - omega**2 * mass
-    x, y = np.split(la.solve(dynamic, np.concatenate([force, -1j * force])), 2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", la.LinAlgWarning)
+        try:
+            x, y = np.split(la.solve(dynamic, np.concatenate([force, -1j * force])), 2)
+        except la.LinAlgWarning:
+            raise la.LinAlgError("the matrix is singular to rounding") from None
     return (x + 1j * y) / 2.0, (x.conj() + 1j * y.conj()) / 2.0
 
 
