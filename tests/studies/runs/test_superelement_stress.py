@@ -337,7 +337,7 @@ def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
     assert "von Mises stress away from contact nodes" in rows["stress of bladed disk, largest"]
     assert "with centrifugal stress" in rows["stress of bladed disk, largest"]
     assert rows["stress of bladed disk, largest"].endswith("beyond the yield strength, 1 MPa")
-    blades = meshio.read(next((run.directory / "vtk").glob("**/*blades*.vtu")))
+    blades = meshio.read(next((run.directory / "vtk").glob("**/*rotor*.vtu")))
     assert blades.point_data["von_mises_stress"].shape == (2 * part.point_count,)
 
 
