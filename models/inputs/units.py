@@ -100,7 +100,7 @@ def handy_unit(amount: float, unit: str) -> tuple[str, float]:
 def handy(value: float, unit: str, digits: int = 6) -> str:
     """Return a value in SI units as text with a suitable prefix, such as "500 mm", for a case."""
     name, scale = handy_unit(abs(value), unit)
-    return f"{scale * value:.{digits}g} {name}"
+    return f"{scale * value + 0.0:.{digits}g} {name}"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bladewhirl.models.inputs import units
-from bladewhirl.models.inputs.units import RAD_PER_S, TURN_PER_S, Speed, rotation, to_si
+from bladewhirl.models.inputs.units import RAD_PER_S, TURN_PER_S, Speed, handy, rotation, to_si
 
 
 @pytest.mark.parametrize(
@@ -123,3 +123,7 @@ def test_a_speed_with_a_unit_ignores_the_reference_and_keeps_its_text() -> None:
 def test_a_speed_is_a_finite_number_or_text_with_a_unit(given_: object) -> None:
     with pytest.raises(ValueError, match=r"."):
         Speed(given_)  # type: ignore[arg-type]
+
+
+def test_zero_has_no_sign() -> None:
+    assert handy(-0.0, "J") == "0 J"
