@@ -46,6 +46,10 @@ class LineModel:
     stiffness: tuple[ComplexArray, ComplexArray]  #: parts K_0 and K_2 of bearings and supports
     damping: tuple[ComplexArray, ComplexArray]  #: parts C_0 and C_2 of bearings and supports
 
+    bearing_rows: FloatArray
+    """Displacement of the shaft relative to ground or support at each bearing, as rows on the
+    unknowns, (bearings, n)."""
+
     @property
     def table(self) -> ShaftLine:
         """The table of the case."""
@@ -113,23 +117,11 @@ class LineModel:
         """Return the forces x + i y of the bearings on the shaft [N], (bearings, ...), for unknowns
         and their velocities, (n, ...)."""
         forces = []
-        for row, bearing in zip(self._rows(), self.table.bearings, strict=True):
+        for row, bearing in zip(self.bearing_rows, self.table.bearings, strict=True):
             moved, rate = row @ unknowns, row @ velocity
             (k0, k2), (c0, c2) = parts(bearing.stiffness), parts(bearing.damping)
             forces.append(-(k0 * moved + k2 * moved.conj() + c0 * rate + c2 * rate.conj()))
         return np.array(forces)
-
-    def _rows(self) -> FloatArray:
-        """Return for each bearing the displacement of the shaft relative to ground or support, as a
-        row on the unknowns, (bearings, n)."""
-        rows = np.zeros((len(self.table.bearings), self.size))
-        support = 2 * len(self.position)
-        for number, bearing in enumerate(self.table.bearings):
-            rows[number, 2 * self.node(bearing.position)] = 1.0
-            if bearing.support is not None:
-                rows[number, support] = -1.0
-                support += 1
-        return rows
 
 
 def parts(matrix: Matrix2) -> tuple[complex, complex]:
@@ -191,9 +183,9 @@ def line_model(case: Case) -> LineModel:
         polar[place + 1, place + 1] += disk.polar_inertia
     springs, dampers = np.zeros((2, 2, size, size), dtype=np.complex128)
     support = len(plane.stiffness)
-    for bearing in table.bearings:
-        row, tilt = np.zeros((2, size))
-        place = 2 * int(np.abs(shaft.node - bearing.position).argmin())
+    rows = np.zeros((len(table.bearings), size))
+    for bearing, row in zip(table.bearings, rows, strict=True):
+        place, tilt = 2 * int(np.abs(shaft.node - bearing.position).argmin()), np.zeros(size)
         row[place], tilt[place + 1] = 1.0, 1.0
         if (below := bearing.support) is not None:
             row[support], ground = -1.0, np.zeros(size)
@@ -213,6 +205,7 @@ def line_model(case: Case) -> LineModel:
         shaft_stiffness=stiffness,
         stiffness=(springs[0], springs[1]),
         damping=(dampers[0], dampers[1]),
+        bearing_rows=rows,
     )
     _check_held(model)
     return model
