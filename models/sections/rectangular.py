@@ -24,11 +24,9 @@ class BeamSection(Table):
     """Name in material.named; the material of the case by default."""
 
 
-class NamedMaterial(Table):
-    """A material to which sections refer by name."""
+class MaterialProperties(Table):
+    """Elastic constants, density and limits of the stress; the model remains elastic."""
 
-    name: StrictStr
-    """Name by which sections refer to the material."""
     young_modulus: Modulus
     """Young's modulus [Pa]."""
     density: Density
@@ -36,20 +34,31 @@ class NamedMaterial(Table):
     yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
     """Yield strength [Pa]. The summary of a run states where the stress of the motion exceeds it;
     the static stress of centrifugal forces comes in addition, except for a superelement with
-    effects of rotation, whose stress includes it. The model remains elastic."""
+    effects of rotation, whose stress includes it."""
+    endurance: Modulus | None = Field(default=None, examples=['"250 MPa"'])
+    """Endurance limit [Pa], the alternating stress without a mean stress that a blade withstands.
+    With the strength it gives the margin against fatigue of every blade."""
+    strength: Modulus | None = Field(default=None, examples=['"900 MPa"'])
+    """Tensile strength [Pa], which limits the mean stress."""
 
 
-class Material(Table):
+LIMITS = ("yield_strength", "endurance", "strength")  #: names of the limits of the stress
+
+
+class NamedMaterial(MaterialProperties):
+    """A material to which sections refer by name."""
+
+    name: StrictStr
+    """Name by which sections refer to the material."""
+
+
+class Material(MaterialProperties):
     """Material of all sections of bladed disk and casing that do not name another material."""
 
     young_modulus: Modulus = 2.1e11
     """Young's modulus [Pa] (the paper: "steel")."""
     density: Density = 7800.0
     """Density [kg/m3] (the paper: "steel")."""
-    yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
-    """Yield strength [Pa]. The summary of a run states where the stress of the motion exceeds it;
-    the static stress of centrifugal forces comes in addition, except for a superelement with
-    effects of rotation, whose stress includes it. The model remains elastic."""
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
@@ -58,10 +67,11 @@ class Material(Table):
     for sections that name a material: { material = "titanium", ... }."""
 
     @property
-    def lowest_yield_strength(self) -> float | None:
-        """Lowest yield strength of the materials [Pa]; None if no material has a yield strength."""
-        given = [self.yield_strength, *(one.yield_strength for one in self.named)]
-        return min((value for value in given if value is not None), default=None)
+    def lowest_limits(self) -> dict[str, float]:
+        """Lowest of the values that the materials give for each limit of the stress [Pa]."""
+        each = {name: [getattr(one, name) for one in (self, *self.named)] for name in LIMITS}
+        given = {name: [one for one in values if one is not None] for name, values in each.items()}
+        return {name: min(values) for name, values in given.items() if values}
 
     def find(self, name: str | None) -> "Material | NamedMaterial":
         """Return the material with a name; this material if the name is None.
@@ -124,12 +134,12 @@ class Section(Rectangle[float]):
         young_modulus: Young's modulus [Pa].
         density: density [kg/m3].
         material: material with Young's modulus and density, in place of these two arguments;
-            `Material()` is steel. The material must have no yield strength, which is given in the
-            case.
+            `Material()` is steel. The material must have no limits of the stress, which are given
+            in the case.
 
     Raises:
         CaseError: a value is not positive, has a wrong unit, is missing or is given twice, or the
-            material has a yield strength.
+            material has limits of the stress.
     """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # for sections in a case
@@ -152,10 +162,10 @@ class Section(Rectangle[float]):
             if young_modulus is not None or density is not None:
                 expected = "either material, or young_modulus and density, not both"
                 raise CaseError([Fault(key="section.material", expected=expected)])
-            if material.yield_strength is not None:
+            if limits := [name for name in LIMITS if getattr(material, name) is not None]:
                 expected = (
-                    "a material without yield_strength, which belongs in the case:"
-                    ' sketch.case(material={"yield_strength": ...})'
+                    f"a material without {limits[0]}, which belongs in the case:"
+                    f' sketch.case(material={{"{limits[0]}": ...}})'
                 )
                 raise CaseError([Fault(key="section.material", expected=expected)])
             young_modulus, density = material.young_modulus, material.density

@@ -276,9 +276,8 @@ class Stage(Ring, ABC):
     @property
     def attributes(self) -> Mapping[str, str | float | int]:
         """Attributes of a result that describe the stage."""
-        strength = self.case.material.lowest_yield_strength
         return {
-            **({} if strength is None else {"yield_strength": strength}),
+            **self.case.material.lowest_limits,
             "casing_radius": self.reduced_casing.radius,
             "tip_radius": float(self.rotor.contact_radius.max()),
             "blade_length": self.blade_length,

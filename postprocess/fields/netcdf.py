@@ -24,7 +24,8 @@ from bladewhirl.solvers.march.storage import CutFile
 #: largest plausible magnitude of a number in SI units; a positive number is larger than 1 / MOST
 MOST = 1e30
 POSITIVE = (
-    "reference_frequency casing_radius tip_radius blade_length time_step record_step yield_strength"
+    "reference_frequency casing_radius tip_radius blade_length time_step record_step "
+    "yield_strength endurance strength"
 )
 NUMBERS = (
     "format speed friction clamped steps complementarity_residual unsolved_steps "

@@ -68,30 +68,37 @@ class PointStresses:
         terms = np.einsum("kc,pcm->pkm", VON_MISES, shape)
         return np.asarray(terms.reshape(-1, shape.shape[-1]))
 
-    def at(self, records: IntArray) -> Array:
-        """Return the von Mises stress [Pa], (record, point), of one copy after another; zero for
-        lost blades."""
-        motion = history(self._dataset, "rotor_displacement", records)
-        motion = motion.reshape(len(records), self._dataset.sizes["copy"], -1)
+    def terms(self, motion: Array, force: Array) -> Array:
+        """Return the five terms [Pa], (record, point, 5), of one copy after another, for modal
+        coordinates (record, mode) and contact forces (record, node, direction)."""
+        count = len(motion)
+        motion = motion.reshape(count, self._dataset.sizes["copy"], -1)
         terms = (self._factor * motion) @ self._modes.T
-        force = self._dataset["contact_force"].isel(time=records).values
-        width = self._forces.shape[2]
-        force = force.reshape(len(records), -1, width)
-        of_sectors = terms.reshape(len(records), force.shape[1], -1)
+        force = force.reshape(count, -1, self._forces.shape[2])
+        of_sectors = terms.reshape(count, force.shape[1], -1)
         for sector in np.flatnonzero(force.any(axis=(0, 2))):
             pushed = np.flatnonzero(force[:, sector].any(axis=1))
             for distance, by_force in enumerate(self._forces):
                 place = (sector + distance) % force.shape[1]
                 of_sectors[pushed, place] += force[pushed, sector] @ by_force.T
         terms += self._steady
-        squares = (terms.reshape(len(records), -1, len(VON_MISES)) ** 2).sum(axis=2)
-        stress = np.sqrt(squares)
+        return np.asarray(terms.reshape(count, -1, len(VON_MISES)))
+
+    def terms_at(self, records: IntArray) -> Array:
+        """Return the five terms [Pa] at records, see `terms`."""
+        motion = history(self._dataset, "rotor_displacement", records)
+        return self.terms(motion, self._dataset["contact_force"].isel(time=records).values)
+
+    def at(self, records: IntArray, terms: Array | None = None) -> Array:
+        """Return the von Mises stress [Pa], (record, point), of one copy after another; zero for
+        lost blades. `terms` are those of these records, if they are known."""
+        stress = size_of(self.terms_at(records) if terms is None else terms)
         lost = lost_blades(self._dataset)
         if lost is not None:
             gone = np.flatnonzero(lost.gone(self._dataset["time"].values[records]))
             of_copies = stress.reshape(len(records), -1, self.points)
             of_copies[np.ix_(gone, lost.blades)] = 0.0
-        return np.asarray(stress)
+        return stress
 
     def on_sides(self, records: IntArray) -> Array:
         """Return the von Mises stress [Pa], (record, point, 1), computed record by record."""
@@ -101,6 +108,11 @@ class PointStresses:
         """Return the number of records whose terms take at most a number of bytes; at least 1."""
         each = 8 * len(VON_MISES) * self.points * self._dataset.sizes["copy"]
         return max(1, int(most_bytes / each))
+
+
+def size_of(terms: Array) -> Array:
+    """Return the von Mises stress (...,) of five terms (..., 5) [Pa]."""
+    return np.asarray(np.sqrt((terms**2).sum(axis=-1)))
 
 
 def on_sectors(by_force: Array, places: IntArray) -> Array:

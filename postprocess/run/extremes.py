@@ -8,6 +8,7 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_angles
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.histories import COMPONENTS
+from bladewhirl.postprocess.run.stresses import LIMITS, utilisation
 
 FORCE_TIME = 1e-3
 """Time over which contact forces are averaged [s], unless the time between two records is longer.
@@ -43,6 +44,18 @@ class StressPeak(TypedDict):
     member: str  #: "blade 3", another part of the rotor, or "casing"
     radius: float  #: radius of the stressed point in the undeformed body [m]
     time: float  #: [s]
+
+
+class StressSplit(TypedDict):
+    """Mean and alternating stress of the blade in which they are most severe."""
+
+    member: str  #: "blade 3"
+    radius: float  #: radius of the stressed point in the undeformed body [m]
+    mean: float  #: mean stress over all records [Pa]
+    alternating: float  #: largest deviation from the mean [Pa]
+    margin: float | None
+    """Factor on both stresses up to the line between `material.endurance` and `material.strength`;
+    None if the case does not give both."""
 
 
 def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
@@ -102,3 +115,23 @@ def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
             time=float(one["peak_time"]),
         )
     return largest
+
+
+def stress_split(peaks: xr.Dataset) -> StressSplit | None:
+    """Return the split of the stress into mean and alternating stress for the blade with the least
+    margin or, without limits of the material, the largest sum of both; None if all blades
+    are lost. `peaks` are from `stresses.peak_stresses` or `stress_history`."""
+    blades = peaks.isel(member=peaks["member"].str.startswith("blade "))
+    mean, alternating = blades["mean_stress"].values, blades["alternating_stress"].values
+    used = utilisation(mean, alternating, peaks.attrs)
+    if np.isnan(used).all():
+        return None
+    blade = int(np.nanargmax(used))
+    limited = set(LIMITS) <= peaks.attrs.keys() and used[blade] > 0.0
+    return StressSplit(
+        member=str(blades["member"].values[blade]),
+        radius=float(blades["split_radius"][blade]),
+        mean=float(mean[blade]),
+        alternating=float(alternating[blade]),
+        margin=float(1.0 / used[blade]) if limited else None,
+    )

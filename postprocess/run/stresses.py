@@ -4,9 +4,16 @@ The stress of beams and of the casing is Young's modulus times the strain, see `
 not include yielding, stress concentration where beams meet, and centrifugal stress. The stress at a
 surface is the axial stress plus or minus the bending stress. That of superelements is the von Mises
 stress, see `point_stresses`.
+
+The stress at a point is split into its mean over the records and the alternating stress, the
+largest deviation from the mean. For one component these are at least as severe as the middle and
+half of the range: on the diagram of Haigh they move along the larger of two slopes. Those of solids
+are the von Mises stress of the mean of the six components and the largest von Mises stress of their
+deviation from it.
 """
 
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
@@ -20,7 +27,7 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.point_stresses import PointStresses
+from bladewhirl.postprocess.fields.point_stresses import PointStresses, size_of
 from bladewhirl.postprocess.fields.points import Points, contact_nodes, points_of
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
@@ -59,8 +66,18 @@ UNITS = {
 }
 """Histories of every member, with their units."""
 
-PEAKS = {"peak_stress": "Pa", "peak_time": "s", "peak_radius": "m"}
+PEAKS = {
+    "peak_stress": "Pa",
+    "peak_time": "s",
+    "peak_radius": "m",
+    "mean_stress": "Pa",
+    "alternating_stress": "Pa",
+    "split_radius": "m",
+}
 """Extremes of every member, with their units."""
+
+LIMITS = ("endurance", "strength")
+"""Attributes with the lowest limits of the alternating and of the mean stress of the case [Pa]."""
 
 
 class _Portion(Protocol):
@@ -73,32 +90,48 @@ class _Portion(Protocol):
     def sign(self, point: int, record: int) -> float:
         """Return the sign of the stress of this magnitude."""
 
+    @property
+    def deviation(self) -> Array:
+        """Largest deviation of the stress from its mean over all records [Pa], (side, point)."""
+
     def extremes(self, starts: IntArray) -> dict[str, Array]:
         """Return histories of members (member, record) by their names in `UNITS`, from the first
         point of each member."""
 
 
 class _BeamPortion(NamedTuple):
-    """Axial strain and magnitude of the bending strain of beams [1], (point, record), with Young's
-    modulus (point, 1) [Pa]."""
+    """Axial strain and bending strain at the right surface of beams [1], (point, record), with
+    their means over all records (point,) and Young's modulus (point, 1) [Pa]."""
 
     axial: Array
     bending: Array
+    means: tuple[Array, Array]
     modulus: Array
 
     @property
     def size(self) -> Array:
-        return np.asarray(self.modulus * (np.abs(self.axial) + self.bending))
+        return np.asarray(self.modulus * (np.abs(self.axial) + np.abs(self.bending)))
+
+    @property
+    def deviation(self) -> Array:
+        axial, bending = self.means
+        sides = (
+            (self.axial + self.bending, axial + bending),
+            (self.axial - self.bending, axial - bending),
+        )
+        largest = [np.maximum(side.max(1) - mean, mean - side.min(1)) for side, mean in sides]
+        return np.asarray(self.modulus[:, 0] * largest)
 
     def sign(self, point: int, record: int) -> float:
         return 1.0 if self.axial[point, record] >= 0 else -1.0
 
     def extremes(self, starts: IntArray) -> dict[str, Array]:
-        stress, bent = self.modulus * self.axial, self.modulus * self.bending
+        bending = np.abs(self.bending)
+        stress, bent = self.modulus * self.axial, self.modulus * bending
         return {
             "axial_strain": _largest(self.axial, starts),
             "axial_stress": _largest(stress, starts),
-            "bending_strain": _maximum(self.bending, starts),
+            "bending_strain": _maximum(bending, starts),
             "bending_stress": _maximum(bent, starts),
             "largest_stress": _maximum(stress + bent, starts),
             "smallest_stress": -_maximum(bent - stress, starts),
@@ -109,6 +142,7 @@ class _SolidPortion(NamedTuple):
     """Von Mises stress at the surface of solids."""
 
     size: Array  #: (point, record) [Pa]
+    deviation: Array  #: (1, point) [Pa]
 
     def sign(self, point: int, record: int) -> float:
         return 1.0
@@ -123,6 +157,7 @@ class _Body(NamedTuple):
     radius: Array  #: radius of each point in the undeformed body, sorted by members (point,) [m]
     starts: IntArray  #: first point of each member
     columns: IntArray  #: numbers of these members among those of both bodies
+    mean: Array  #: mean over all records (side, point) [Pa]; nan where parts are lost
     portions: Iterator[tuple[slice, _Portion]]  #: records, and the stresses at them
 
 
@@ -144,7 +179,10 @@ def stress_history(
         surfaces. Over
         member only: `peak_stress` [Pa], the surface stress of largest magnitude at any time,
         signed, the time `peak_time` [s], and the radius of the point in the undeformed body,
-        `peak_radius` [m]. Blades of a superelement whose file gives the recovery of stress have
+        `peak_radius` [m]; `mean_stress` and `alternating_stress` [Pa], the split at the point, at
+        the radius `split_radius` [m], with the largest `utilisation` of the limits
+        `material.endurance` and `material.strength` or, without them, the largest sum of both; nan
+        for lost members. Blades of a superelement whose file gives the recovery of stress have
         the von Mises stress at the surface as `largest_stress` and `peak_stress`, at points whose
         distance from contact nodes is more than a tenth of the length of a blade, with the stress
         of steady rotation if the case has effects of rotation; the other variables are nan.
@@ -161,10 +199,9 @@ def stress_history(
     out = {name: np.full((len(time), len(names)), np.nan) for name in UNITS}
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body in bodies:
-        for records, portion in body.portions:
+        for records, portion in _noted(peak, body, dataset):
             for name, values in portion.extremes(body.starts).items():
                 out[name][records, body.columns] = values.T
-            _note_peaks(peak, body, time[records], portion)
     plane = ("time", "member")
     return labelled(
         dataset,
@@ -180,23 +217,34 @@ def stress_history(
 
 
 def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
-    """Compute only `peak_stress`, `peak_time` and `peak_radius` of `stress_history`."""
+    """Compute only the variables over members of `stress_history`, by their names in `PEAKS`."""
     names, bodies = _bodies(dataset)
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body in bodies:
-        for records, portion in body.portions:
-            _note_peaks(peak, body, dataset["time"].values[records], portion)
+        deque(_noted(peak, body, dataset), maxlen=0)
     variables = {name: ("member", values) for name, values in peak.items()}
     return xr.Dataset(variables, {"member": names}, about(dataset))
 
 
+def utilisation(mean: Array, alternating: Array, limits: Mapping[str, float]) -> Array:
+    """Return the utilisation a / e + max(m, 0) / s of the straight line of Goodman between the
+    endurance limit e and the tensile strength s, for a mean stress m and an alternating stress a
+    [Pa]; the margin is its reciprocal. A compressive mean stress has no effect. Without both limits
+    in `limits` they are 1 Pa, so that the result is the largest tensile stress."""
+    both = set(LIMITS) <= limits.keys()
+    endurance, strength = (limits[name] if both else 1.0 for name in LIMITS)
+    return alternating / endurance + np.maximum(mean, 0.0) / strength
+
+
 def about(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the measure of the largest stress of the bladed disk, that of beam theory or the von
-    Mises stress at the surface of solids, and whether it has the stress of steady rotation."""
+    Mises stress at the surface of solids, whether it has the stress of steady rotation, and the
+    limits of the material that the case gives."""
     measures = "von Mises stress away from contact nodes", "beam theory"
     return {
         "measure": measures[points_of(dataset, 1).flat],
         "steady": int("steady_stress" in dataset),
+        **{name: dataset.attrs[name] for name in LIMITS if name in dataset.attrs},
     }
 
 
@@ -219,7 +267,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
         np.full(len(modulus), float(dataset.attrs["casing_radius"])),
         np.zeros(1, dtype=np.int64),
         np.array([len(names)]),
-        _strains(dataset, "casing_displacement", rows, modulus),
+        *_strains(dataset, "casing_displacement", rows, modulus),
     )
     return [*names, "casing"], [*bodies, casing]
 
@@ -232,9 +280,10 @@ def _beams(dataset: xr.Dataset, points: Points) -> _Body:
     rows = Strains(*(_flat(row)[order] for row in rotor_strain_rows(dataset)))
     modulus = rotor_sections(dataset, "young_modulus", 1).reshape(-1, 1)[order]
     lost = np.flatnonzero(np.isin(order + first, points.lost))
-    portions = _strains(dataset, "rotor_displacement", rows, modulus, (points.lost_from, lost))
+    lost_parts = points.lost_from, lost
+    mean, portions = _strains(dataset, "rotor_displacement", rows, modulus, lost_parts)
     radius = np.linalg.norm(points.rest[first:][order], axis=-1)
-    return _Body(radius, starts, members, portions)
+    return _Body(radius, starts, members, mean, portions)
 
 
 def _solid(dataset: xr.Dataset, points: Points) -> _Body:
@@ -245,12 +294,28 @@ def _solid(dataset: xr.Dataset, points: Points) -> _Body:
     order = order[distance[order] > NEAR * blade_length(dataset)]
     blades, starts = np.unique(points.blade[order], return_index=True)
 
-    def values() -> Iterator[tuple[slice, _Portion]]:
-        stresses = PointStresses(dataset)
-        for read in portions(dataset, stresses.together(SOLID_BYTES)):
-            yield read, _SolidPortion(stresses.at(np.arange(read.start, read.stop))[:, order].T)
+    stresses = PointStresses(dataset)
+    motion, force = (_mean(dataset, name) for name in ("rotor_displacement", "contact_force"))
+    terms_of_mean = stresses.terms(motion[None], force[None])
+    mean = size_of(terms_of_mean)
+    mean[:, points.lost.astype(np.int64)] = np.nan
 
-    return _Body(np.hypot(*points.rest[order, :2].T), starts, blades, values())
+    def values() -> Iterator[tuple[slice, _Portion]]:
+        for read in portions(dataset, stresses.together(SOLID_BYTES)):
+            records = np.arange(read.start, read.stop)
+            terms = stresses.terms_at(records)
+            size = stresses.at(records, terms)[:, order].T
+            deviation = size_of(terms - terms_of_mean).max(axis=0, keepdims=True)
+            yield read, _SolidPortion(size, deviation[:, order])
+
+    radius = np.hypot(*points.rest[order, :2].T)
+    return _Body(radius, starts, blades, mean[:, order], values())
+
+
+def _mean(dataset: xr.Dataset, name: str) -> Array:
+    """Return the mean of a history over all records, which is read portion by portion."""
+    sums = [dataset[name].isel(time=read).values.sum(axis=0) for read in portions(dataset)]
+    return np.asarray(np.sum(sums, axis=0) / dataset.sizes["time"])
 
 
 def _flat(rows: Array) -> Array:
@@ -264,8 +329,9 @@ def _strains(
     rows: Strains,
     modulus: Array,
     lost: tuple[float, IntArray] = (np.inf, np.zeros(0, dtype=np.int64)),
-) -> Iterator[tuple[slice, _Portion]]:
-    """Yield the strains of beams for a few records at a time.
+) -> tuple[Array, Iterator[tuple[slice, _Portion]]]:
+    """Return the mean stress of beams (side, point) [Pa] and, for a few records at a time, their
+    strains.
 
     Args:
         dataset: a result.
@@ -274,19 +340,27 @@ def _strains(
         modulus: Young's modulus at the points (point, 1) [Pa].
         lost: time from which points are lost [s], and these points, whose strain is then zero.
     """
+    middle = _mean(dataset, history)
+    means = rows.axial @ middle, rows.bending @ middle
+    mean = modulus[:, 0] * [means[0] + means[1], means[0] - means[1]]
+    mean[:, lost[1]] = np.nan
     together, cached = (
         max(1, int(size / (8 * len(modulus)))) for size in (PORTION_BYTES, CACHED_BYTES)
     )
-    for read in portions(dataset, together):
-        coordinates = dataset[history].isel(time=read).values.T
-        axial, bending = rows.axial @ coordinates, rows.bending @ coordinates
-        gone = np.flatnonzero(dataset["time"].values[read] >= lost[0])
-        axial[np.ix_(lost[1], gone)] = 0.0
-        bending[np.ix_(lost[1], gone)] = 0.0
-        for first in range(0, axial.shape[1], cached):
-            part = slice(first, first + cached)
-            records = slice(read.start + first, min(read.start + part.stop, read.stop))
-            yield records, _BeamPortion(axial[:, part], np.abs(bending[:, part]), modulus)
+
+    def values() -> Iterator[tuple[slice, _Portion]]:
+        for read in portions(dataset, together):
+            coordinates = dataset[history].isel(time=read).values.T
+            axial, bending = rows.axial @ coordinates, rows.bending @ coordinates
+            gone = np.flatnonzero(dataset["time"].values[read] >= lost[0])
+            axial[np.ix_(lost[1], gone)] = 0.0
+            bending[np.ix_(lost[1], gone)] = 0.0
+            for first in range(0, axial.shape[1], cached):
+                part = slice(first, first + cached)
+                records = slice(read.start + first, min(read.start + part.stop, read.stop))
+                yield records, _BeamPortion(axial[:, part], bending[:, part], means, modulus)
+
+    return mean, values()
 
 
 def _maximum(values: Array, starts: IntArray) -> Array:
@@ -298,6 +372,27 @@ def _largest(values: Array, starts: IntArray) -> Array:
     """Return the value of largest magnitude in each member, signed, (member, record)."""
     high, low = _maximum(values, starts), np.minimum.reduceat(values, starts, axis=0)
     return np.where(high >= -low, high, low)
+
+
+def _noted(
+    peak: dict[str, Array], body: _Body, dataset: xr.Dataset
+) -> Iterator[tuple[slice, _Portion]]:
+    """Yield the portions of a body, and note the extremes of its members, see `PEAKS`."""
+    time = dataset["time"].values
+    alternating = np.zeros_like(body.mean)
+    for records, portion in body.portions:
+        _note_peaks(peak, body, time[records], portion)
+        np.maximum(alternating, portion.deviation, out=alternating)
+        yield records, portion
+    alternating[np.isnan(body.mean)] = np.nan
+    used = np.nan_to_num(utilisation(body.mean, alternating, about(dataset)), nan=-np.inf)
+    ranges = pairwise([*body.starts, body.mean.shape[1]])
+    for column, (first, end) in zip(body.columns, ranges, strict=True):
+        side, point = np.unravel_index(used[:, first:end].argmax(), (len(used), end - first))
+        place = side, first + point
+        peak["mean_stress"][column] = body.mean[place]
+        peak["alternating_stress"][column] = alternating[place]
+        peak["split_radius"][column] = body.radius[place[1]]
 
 
 def _note_peaks(peak: dict[str, Array], body: _Body, time: Array, portion: _Portion) -> None:

@@ -3,6 +3,7 @@
 import pytest
 
 import bladewhirl as bw
+from bladewhirl.models.sections.rectangular import LIMITS
 
 
 def test_units_and_materials() -> None:
@@ -42,8 +43,15 @@ def test_faults_are_one_line(given: dict[str, object], message: str) -> None:
         bw.Section(**(sound | given))  # type: ignore[arg-type]
 
 
-def test_a_yield_strength_belongs_in_the_case() -> None:
-    """A section would lose it, and no stress would be marked."""
-    strong = bw.Material(yield_strength="600 MPa")
-    with pytest.raises(bw.CaseError, match=r'sketch\.case\(material=\{"yield_strength"'):
+@pytest.mark.parametrize("name", LIMITS)
+def test_limits_of_the_stress_belong_in_the_case(name: str) -> None:
+    """A section would lose them, and no stress would be marked."""
+    strong = bw.Material(**{name: "600 MPa"})
+    with pytest.raises(bw.CaseError, match=rf'sketch\.case\(material=\{{"{name}"'):
         bw.Section(width=0.1, thickness=0.01, material=strong)
+
+
+def test_the_lowest_limits_of_all_materials_count() -> None:
+    other = {"name": "titanium", "young_modulus": "114 GPa", "density": 4430.0}
+    given = bw.Material(strength="900 MPa", named=[other | {"strength": 8e8, "endurance": 3e8}])
+    assert given.lowest_limits == {"strength": 8e8, "endurance": 3e8}

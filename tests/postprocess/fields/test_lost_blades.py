@@ -23,7 +23,7 @@ from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.run.stresses import peak_stresses, stress_history
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.studies.runs.prepare import prepare
@@ -148,3 +148,5 @@ def test_lost_3d_blades_have_no_stress(tmp_path: Path) -> None:
     assert (before.max(axis=1) > 1e6).all()
     assert (after.max(axis=1) > 1e6).tolist() == [False, True, False]
     assert not after[[0, 2]].any()
+    split = peak_stresses(result)["alternating_stress"]
+    assert np.isfinite(split.values).tolist() == [False, True, False]

@@ -8,7 +8,8 @@ import xarray as xr
 from bladewhirl.postprocess.fields.blades import line_blades, member_names
 from bladewhirl.postprocess.fields.strains import casing_strain_rows, rotor_strain_rows
 from bladewhirl.postprocess.run import stresses
-from bladewhirl.postprocess.run.stresses import plot_stress, stress_history
+from bladewhirl.postprocess.run.extremes import stress_split
+from bladewhirl.postprocess.run.stresses import plot_stress, stress_history, utilisation
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +71,44 @@ def test_peaks_are_the_extremes_of_all_times(result: xr.Dataset) -> None:
     assert {*np.sign(actual.peak_stress.values)} == {-1.0, 1.0}
     # The blades bend most at their roots (w'' of the mode falls linearly to the tip).
     np.testing.assert_allclose(actual.peak_radius[:22], synthetic.DISK_RADIUS)
+
+
+def test_the_split_is_that_of_a_plain_loop(result: xr.Dataset) -> None:
+    """At the point with the least margin, of both surfaces of each blade."""
+    limits = {"endurance": 2e8, "strength": 9e8}
+    alone, limited = stress_history(result), stress_history(result.assign_attrs(limits))
+    rows = rotor_strain_rows(result)
+    for blade in range(22):
+        own = np.arange(44 + 4 * blade, 48 + 4 * blade)
+        axial, bending = (
+            1.1e11 * np.einsum("epm,tm->tep", each[own], result["rotor_displacement"].values)
+            for each in (rows.axial, rows.bending)
+        )
+        sides = np.stack([axial + bending, axial - bending])
+        mean = sides.mean(axis=1)
+        alternating = np.abs(sides - mean[:, None]).max(axis=1)
+        used = alternating / 2e8 + np.maximum(mean, 0.0) / 9e8
+        for data, worst in ((alone, (alternating + mean).argmax()), (limited, used.argmax())):
+            at = data.sel(member=f"blade {blade}")
+            assert float(at.mean_stress) == pytest.approx(mean.flat[worst], rel=1e-9, abs=1e-3)
+            assert float(at.alternating_stress) == pytest.approx(alternating.flat[worst], rel=1e-9)
+        # As severe as middle and half of the range, or more.
+        middle, half = (
+            0.5 * (sides.max(axis=1) + sign * sides.min(axis=1)) for sign in (1.0, -1.0)
+        )
+        assert (used >= half / 2e8 + np.maximum(middle, 0.0) / 9e8 - 1e-12).all()
+    split = stress_split(limited)
+    margin = 1.0 / utilisation(limited.mean_stress, limited.alternating_stress, limits)
+    assert split is not None
+    assert split["margin"] == pytest.approx(float(margin.values[:22].min()))
+    assert split["member"] == f"blade {int(margin.values[:22].argmin())}"
+    without = stress_split(alone)
+    summed = (alone.alternating_stress + np.maximum(alone.mean_stress, 0.0)).values[:22]
+    assert without is not None
+    assert without["margin"] is None
+    assert without["alternating"] == pytest.approx(
+        float((alone.alternating_stress)[summed.argmax()])
+    )
 
 
 def test_portions_do_not_show(result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:

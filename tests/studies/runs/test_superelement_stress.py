@@ -24,6 +24,7 @@ from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.pictures.colouring import colouring
 from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -206,6 +207,34 @@ def test_the_largest_stress_is_that_away_from_contact_nodes(tmp_path: Path) -> N
     largest = float(history["largest_stress"].sel(member="blade 0")[1])
     assert largest == pytest.approx(everywhere[far].max())
     assert 0.0 < largest < 0.5 * everywhere.max()
+
+
+def test_the_split_is_that_of_the_six_components(tmp_path: Path) -> None:
+    """Von Mises stress of their mean, and largest one of their deviation from it."""
+    part = bw.mesh3d(cantilever("hexahedron20", (4, 2, 1)), **STEEL)
+    effects = {"effects": "centrifugal"}
+    result = march_in_memory(prepare(case(tmp_path, part, rotation=effects)))[0]
+    motion = result["rotor_displacement"].values.reshape(result.sizes["time"], 2, -1)
+    force = result["contact_force"].values.reshape(len(motion), 2, -1)
+    assert abs(force).max() > 0.0
+    assert part.points is not None
+    apart = np.linalg.norm(part.points[:, None] - part.contact_position, axis=2).min(axis=1)
+    far = apart > 0.1 * result.attrs["blade_length"]
+    peaks = peak_stresses(result)
+    for blade in (0, 1):
+        stress = np.einsum("pcm,tm->tpc", result["stress_shape"].values, motion[:, blade])
+        by_force = result["stress_by_force"].values[0].reshape(-1, 6, force.shape[2])
+        stress += np.einsum("pcf,tf->tpc", by_force, force[:, blade])
+        stress += result["steady_stress"].values
+        stress = stress[:, far]
+        mean = stress.mean(axis=0)
+        alternating = np.max([von_mises(now - mean) for now in stress], axis=0)
+        worst = int((von_mises(mean) + alternating).argmax())
+        found = peaks.sel(member=f"blade {blade}")
+        assert float(found["alternating_stress"]) == pytest.approx(alternating[worst])
+        assert float(found["mean_stress"]) == pytest.approx(von_mises(mean)[worst])
+        radius = np.hypot(*part.points[far][worst, :2])
+        assert float(found["split_radius"]) == pytest.approx(radius)
 
 
 @pytest.mark.slow
