@@ -226,7 +226,7 @@ def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(variables, {"member": names}, about(dataset))
 
 
-def utilisation(mean: Array, alternating: Array, limits: Mapping[str, float]) -> Array:
+def utilisation(mean: Array, alternating: Array, limits: Mapping[Any, float]) -> Array:
     """Return the utilisation a / e + max(m, 0) / s of the straight line of Goodman between the
     endurance limit e and the tensile strength s, for a mean stress m and an alternating stress a
     [Pa]; the margin is its reciprocal. A compressive mean stress has no effect. Without both limits

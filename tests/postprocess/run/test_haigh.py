@@ -1,0 +1,47 @@
+"""Haigh diagram: points and line are the stored values, for every kind of stage."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from legible import assert_legible
+from three_runs import KINDS, Kind, run_of
+
+from bladewhirl.postprocess.plotting.style import at_width
+from bladewhirl.postprocess.run.figures import RunFigures
+
+LIMITS = {"endurance": 2e8, "strength": 9e8}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("width", [0.085, 0.17])
+def test_points_are_the_stored_values(kind: Kind, width: float) -> None:
+    with at_width(width):
+        figure, data = RunFigures(run_of(kind).assign_attrs(LIMITS)).draw("haigh")
+    assert_legible(figure)
+    (axes,) = figure.axes
+    line, *points = axes.lines
+    np.testing.assert_allclose(np.array(line.get_xydata())[-2:], [[0.0, 200.0], [900.0, 0.0]])
+    drawn = np.concatenate([np.asarray(one.get_xydata()) for one in points])
+    stored = 1e-6 * np.column_stack([data["mean"], data["alternating"]])
+    worst = int(data["margin"].values.argmin())
+    assert data.attrs["worst"] == worst
+    np.testing.assert_array_equal(drawn, np.vstack([np.delete(stored, worst, 0), stored[worst]]))
+    used = stored[:, 1] / 200.0 + np.maximum(stored[:, 0], 0.0) / 900.0
+    np.testing.assert_allclose(1.0 / used, data["margin"])
+    assert axes.get_title() == f"blade {worst}: margin {1.0 / used.max():.3g}"
+
+
+def test_without_limits_the_figure_says_what_is_missing() -> None:
+    given = run_of("wheel").assign_attrs(endurance=2e8)
+    figure, data = RunFigures(given).draw("haigh")
+    assert "margin" not in data
+    assert figure.axes[0].get_title().endswith("a margin needs\nmaterial.strength")
+
+
+def test_lost_blades_are_left_out() -> None:
+    run: xr.Dataset = run_of("beams")
+    lost = {"case": f"{run.attrs['case']}\n[blade_loss]\nblade = [0, 2]\ntime = 0.01\n"}
+    figure, data = RunFigures(run.assign_attrs(lost)).draw("haigh")
+    assert np.isnan(data["alternating"].values).tolist() == [n in (0, 2) for n in range(6)]
+    assert {text.get_text() for text in figure.axes[0].texts} <= set("1345")
+    assert data.attrs["worst"] == 3
