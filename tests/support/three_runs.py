@@ -36,7 +36,7 @@ def run_of(kind: Kind) -> xr.Dataset:
     if kind == "beams":
         case = loads(BEAMS)
     else:
-        name, duration = {"blade": ("twisted_blade", 0.02), "wheel": ("bladed_disk", 0.004)}[kind]
+        name, duration = {"blade": ("twisted_blade", 0.04), "wheel": ("bladed_disk", 0.004)}[kind]
         case = bw.read_case(EXAMPLES / f"{name}.toml")
         case = with_values(case, {"march.duration": duration})
     result, _ = march_in_memory(prepare(case))
