@@ -15,8 +15,8 @@ from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import wave_parts
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.modes import ModeTable
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
@@ -40,10 +40,10 @@ Fields = Callable[[IntArray], FloatArray]
 class StageModes(CoupledEntries):
     """Coupled modes of a full stage."""
 
-    modal: ModalStage  #: finite elements and all modes of bladed disk and casing
+    modal: ModalModel  #: finite elements and all modes of bladed disk and casing
 
 
-def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
+def stage_modes(modal: ModalModel, *, damping_ratio: float) -> StageModes:
     """Collect the modes of a full stage that are coupled by the springs; see `coupled_entries`.
 
     Args:
@@ -58,7 +58,7 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
     if not wall.count:
         raise UserError('expected casing.type = "ring": springs couple waves of both bodies')
     coupled = coupled_entries(
-        tip_motion(modal.disk, disk, disk.family, disk.fields),
+        tip_motion(modal.beams, disk, disk.family, disk.fields),
         wall_motion(modal.casing, wall),
         damping_ratio=damping_ratio,
     )

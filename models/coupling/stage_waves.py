@@ -16,12 +16,12 @@ from bladewhirl.models.coupling.stage_modes import FAMILIES, SMALLEST_AMPLITUDE,
 from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
-from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.structure.rotating import Rotating
 
 
-def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
+def standing_obstacles(modal: ModalModel, *, damped: bool) -> tuple[str, ...]:
     """Return the reasons why no frame makes a coupled stage autonomous; no reasons if a frame does.
 
     The casing must be axisymmetric, stationary shaft springs must be equal, and all damping must
@@ -39,7 +39,7 @@ def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
 
 
 def coupled_waves(
-    modal: ModalStage, *, modes: str, damped: bool, physical: bool
+    modal: ModalModel, *, modes: str, damped: bool, physical: bool
 ) -> CoupledEquations:
     """Return the equations of coupled modes of any full stage, cyclic or not.
 
@@ -58,7 +58,7 @@ def coupled_waves(
         ValueError: the stage does not have the modes, or the blades are not evenly spaced.
         CaseError: `damped` is true, and the dampers of the shaft are stationary.
     """
-    case, disk, casing = modal.case, modal.disk, modal.casing
+    case, disk, casing = modal.case, modal.beams, modal.casing
     if damped and case.shaft.damping_frame == "static":
         expected = '"rotating" for the stability of damped modes'
         raise CaseError([case_fault(case, "shaft.damping_frame", expected)])
@@ -119,7 +119,7 @@ def coupled_waves(
 
 
 def _chosen(
-    modal: ModalStage, modes: str, harmonics: IntArray, *, by_family: bool
+    modal: ModalModel, modes: str, harmonics: IntArray, *, by_family: bool
 ) -> tuple[IntArray, IntArray]:
     """Return the numbers of the selected modes of bladed disk and casing."""
     disk, casing = modal.disk_modes, modal.casing_modes
@@ -131,7 +131,7 @@ def _chosen(
     }
     lowest = {k: numbers for k, numbers in lowest.items() if numbers.size}
     if modes == ALL and disk.layout is None:
-        count = min((len(FAMILIES) + 1) * len(modal.disk.tip_angles), disk.count)
+        count = min((len(FAMILIES) + 1) * len(modal.beams.tip_angles), disk.count)
         return np.arange(count), np.sort(np.concatenate([*lowest.values()]))
     if modes == ALL or (modes == SIX and by_family):
         names = ("suspension", *FAMILIES) if modes == ALL else ("suspension", "1F")
@@ -156,7 +156,7 @@ def _with_waves(
 
 
 def _names(
-    modal: ModalStage, on_rotor: IntArray, on_casing: IntArray, *, by_family: bool
+    modal: ModalModel, on_rotor: IntArray, on_casing: IntArray, *, by_family: bool
 ) -> tuple[str, ...]:
     disk, casing = modal.disk_modes, modal.casing_modes
     if by_family:

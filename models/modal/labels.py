@@ -12,15 +12,17 @@ largest mass-weighted share in its motion; this share is called the purity of th
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
+import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.mode_names import NamedModes
 from bladewhirl.models.modal.modes import (
+    Direction,
     ListedModes,
     Modes,
     ModeTable,
@@ -30,7 +32,7 @@ from bladewhirl.models.modal.modes import (
     is_first_of_pair,
     plain_modes,
 )
-from bladewhirl.models.modal.whirl_modes import WhirlModes
+from bladewhirl.models.modal.whirl_modes import WhirlModes, directions
 
 Body = Literal["bladed-disk", "casing"]
 
@@ -42,6 +44,8 @@ energy."""
 @dataclass(frozen=True, kw_only=True)
 class LabelledModes(ListedModes):
     """Modes without Coriolis forces; of a degenerate pair the cosine mode is first."""
+
+    REAL_FIELDS: ClassVar[int] = 1
 
     size: int  #: number of free degrees of freedom of the structure
 
@@ -60,8 +64,48 @@ class LabelledModes(ListedModes):
             found[:, here] = waves[:, each * np.arange(len(here)) + sine]
         return found
 
+    @property
+    def has_one_wave(self) -> BoolArray:
+        return np.asarray(self.column >= 0)
+
+    @property
+    def goes_ahead(self) -> BoolArray:
+        return np.full(self.count, False)
+
+    @property
+    def pattern(self) -> tuple[str, ...]:
+        first = [is_first_of_pair(self.column, number) for number in range(self.count)]
+        sine = [False, *first[:-1]]
+        return tuple(
+            "cosine" if one else "sine" if other else "single"
+            for one, other in zip(first, sine, strict=False)
+        )
+
+    def named_directions(
+        self, omega: float, *, fixed: bool = False
+    ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
+        """Return the directions of the two waves to which the modes of a degenerate pair combine in
+        the frame of the body: the backward wave is listed with the cosine mode, the forward wave
+        with the sine mode."""
+        sign = np.array([{"cosine": 1.0, "sine": -1.0}.get(name, 0.0) for name in self.pattern])
+        rotation = np.where(sign == 0.0, 0.0, self.nodal_diameter * abs(omega))
+        own, rate = sign * self.frequency, abs(omega)
+        rotating, static = (own + rotation, own) if fixed else (own, own - rotation)
+        return directions(rotating, rate), directions(static, rate)
+
+    def drawn(self, numbers: IntArray) -> IntArray:
+        return numbers[:1]
+
+    def waves_of(self, numbers: IntArray, omega: float) -> set[Direction]:
+        return {"standing", "forward", "backward"} if len(numbers) == 2 else {"standing"}
+
+    def of_wave(self, numbers: IntArray, wave: Direction, omega: float) -> IntArray:
+        return numbers
+
+    def real_fields(self, fields: ComplexArray) -> FloatArray:
+        return fields.real
+
     def expand(self, chosen: IntArray) -> Modes:
-        """Return the chosen modes with their fields."""
         sectors = self.layout.sectors if self.layout else 0
         return Modes(shapes=self.fields(chosen), sectors=sectors, **self.numbers(chosen))
 
@@ -299,34 +343,29 @@ def _largest_share(
     return tuple(names[i] for i in shares.argmax(axis=0))
 
 
-def whirl_families(
-    structure: Structure, modes: WhirlModes, reference: tuple[int, int]
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the family of each whirling mode, and the family of the same branch at rest.
+def with_families(modes: WhirlModes, at_rest: LabelledModes, mass: sp.csr_array) -> WhirlModes:
+    """Return whirling modes with their families, and the families of the same branches at rest.
 
     If sectors are equal, the frequencies of waves of one nodal diameter do not cross as the speed
     changes. A wave then has the rank of a mode at rest, and `families_at_speed` gives its family.
     Otherwise a mode has the family with the largest share in its expansion in the modes at rest.
 
     Args:
-        structure: rotating structure.
-        modes: whirling modes of the structure.
-        reference: see `labelled_modes`.
+        modes: whirling modes of a rotating structure.
+        at_rest: its modes at rest.
+        mass: mass matrix on its free degrees of freedom, (size, size).
     """
-    at_rest = labelled_modes(structure.at_rest or structure, reference, "bladed-disk")
-    if modes.rank[:1] == NO_COLUMN:
-        impulse = structure.mass @ modes.fields(np.arange(modes.count))
-        parts = np.abs(at_rest.fields(np.arange(at_rest.count)).T @ impulse) ** 2
-        names = _largest_share(at_rest.family, at_rest.family, parts)
-        return names, names
-    return wave_families(at_rest, modes)
+    if modes.has_one_wave[:1].any():
+        return with_wave_families(modes, at_rest)
+    impulse = mass @ modes.fields(np.arange(modes.count))
+    parts = np.abs(at_rest.fields(np.arange(at_rest.count)).T @ impulse) ** 2
+    names = _largest_share(at_rest.family, at_rest.family, parts)
+    return replace(modes, family=names, at_rest=names)
 
 
-def wave_families(
-    at_rest: LabelledModes, modes: WhirlModes
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the family of each wave of a structure with equal sectors, and the family of the same
-    branch at rest; see `whirl_families`."""
+def with_wave_families(modes: WhirlModes, at_rest: LabelledModes) -> WhirlModes:
+    """Return the waves of a structure with equal sectors with their families, see
+    `with_families`."""
     family, before = [""] * modes.count, [""] * modes.count
     for k, names_at_rest in names_of(at_rest).items():
         for backward in (True, False):
@@ -337,7 +376,7 @@ def wave_families(
                 for mode in ranked.tolist():
                     rank = int(modes.rank[mode])
                     family[mode], before[mode] = names_now[rank], names_at_rest[rank]
-    return tuple(family), tuple(before)
+    return replace(modes, family=tuple(family), at_rest=tuple(before))
 
 
 def names_of(modes: LabelledModes) -> dict[int, list[str]]:

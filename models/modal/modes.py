@@ -1,17 +1,20 @@
 """Natural modes of a structure, with nodal diameter, family and share of spring energy."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair, wave_shares
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.structure.dft import nodal_diameter_of
+
+Direction = Literal["forward", "backward", "standing"]  #: direction in which a wave travels
 
 DENSE_LIMIT = 3000  #: largest structure whose modes are computed by a dense solver
 
@@ -49,8 +52,27 @@ class ModeTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ListedModes(ModeTable):
-    """Modes of a body with their families, as they are listed, chosen and drawn."""
+class Modes(ModeTable):
+    """Mass-normalised modes with their fields.
+
+    On a cyclic structure a degenerate pair consists of a cosine and a sine mode. The radial
+    reference displacement of the cosine mode is positive and largest in sector 0.
+    """
+
+    shapes: FloatArray  #: fields on the free DoF of the structure [kg^-1/2], (size, modes)
+    sectors: int  #: number of sectors of the structure; 0 without sectors
+
+    def take(self, chosen: IntArray | slice) -> "Modes":
+        """Return the chosen modes."""
+        return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListedModes(ModeTable, ABC):
+    """Modes of a body with their families, as they are listed, chosen and drawn: with one real
+    field each (`labels.LabelledModes`), or with Coriolis forces (`whirl_modes.WhirlModes`)."""
+
+    REAL_FIELDS: ClassVar[int]  #: number of real fields of a mode
 
     family: tuple[str, ...] = ()  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
     at_rest: tuple[str, ...] = ()
@@ -75,21 +97,54 @@ class ListedModes(ModeTable):
                 taken[name] = values[kept]
         return replace(self, **taken)
 
+    @property
+    @abstractmethod
+    def has_one_wave(self) -> BoolArray:
+        """True for each mode of a single nodal diameter, which the symmetry gives, (modes,)."""
 
-@dataclass(frozen=True, kw_only=True)
-class Modes(ModeTable):
-    """Mass-normalised modes with their fields.
+    @property
+    @abstractmethod
+    def goes_ahead(self) -> BoolArray:
+        """True for each mode whose field is that of exp(-i k angle), so the complex conjugate of
+        the wave of its amplitudes, (modes,)."""
 
-    On a cyclic structure a degenerate pair consists of a cosine and a sine mode. The radial
-    reference displacement of the cosine mode is positive and largest in sector 0.
-    """
+    @property
+    @abstractmethod
+    def pattern(self) -> tuple[str, ...]:
+        """Pattern of each mode: "cosine" and "sine" of a pair, "wave", or "single", (modes,)."""
 
-    shapes: FloatArray  #: fields on the free DoF of the structure [kg^-1/2], (size, modes)
-    sectors: int  #: number of sectors of the structure; 0 without sectors
+    @abstractmethod
+    def named_directions(
+        self, omega: float, *, fixed: bool = False
+    ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
+        """Return the direction of each mode in the rotating and in the static frame at a speed of
+        rotation [rad/s]; forward is the sense of rotation, also for a negative speed.
 
-    def take(self, chosen: IntArray | slice) -> "Modes":
-        """Return the chosen modes."""
-        return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
+        Args:
+            omega: speed of rotation of the bladed disk [rad/s].
+            fixed: true for modes of a body that does not rotate.
+        """
+
+    @abstractmethod
+    def drawn(self, numbers: IntArray) -> IntArray:
+        """Return those of the modes of one name that have shapes of their own."""
+
+    @abstractmethod
+    def waves_of(self, numbers: IntArray, omega: float) -> set[Direction]:
+        """Return the directions of the waves that modes of one name can show at a speed [rad/s]."""
+
+    @abstractmethod
+    def of_wave(self, numbers: IntArray, wave: Direction, omega: float) -> IntArray:
+        """Return those of the modes of one name that a film of one of `waves_of` shows."""
+
+    @abstractmethod
+    def real_fields(self, fields: ComplexArray) -> FloatArray:
+        """Return the real fields of modes with fields p of the motions Re(p exp(i w t)), mode by
+        mode: (modes, ...) becomes (modes * REAL_FIELDS, ...)."""
+
+    @abstractmethod
+    def expand(self, chosen: IntArray) -> Modes:
+        """Return the chosen modes with their real fields on the free degrees of freedom."""
 
 
 def plain_modes(structure: Structure, count: int | None) -> Modes:

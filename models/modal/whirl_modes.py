@@ -11,18 +11,16 @@ bounded.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import ListedModes, Modes
+from bladewhirl.models.modal.modes import Direction, ListedModes, Modes
 from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
 from bladewhirl.models.structure.waves import Waves, spring_shares
-
-Direction = Literal["forward", "backward", "standing"]  #: direction in which a wave travels
 
 DENSE_SIZE = 800
 """Largest size of a structure without symmetry whose modes are computed with a dense solver."""
@@ -41,6 +39,8 @@ class WhirlModes(ListedModes):
     The frequency is zero if a mode grows without oscillation. Amplitudes are p, with p^H M p = 1.
     """
 
+    REAL_FIELDS: ClassVar[int] = 2
+
     growth: FloatArray  #: growth rate [1/s]; zero if K_Omega is positive definite, (modes,)
     direction: tuple[Direction, ...]
     """Direction of travel in the rotating frame, "forward" towards +theta, (modes,)."""
@@ -56,20 +56,43 @@ class WhirlModes(ListedModes):
 
     def _field(self, mode: int) -> ComplexArray:
         amplitude = self.amplitudes[mode]
-        if self.rank[mode] < 0:
+        if not self.has_one_wave[mode]:
             return np.asarray(amplitude, dtype=np.complex128)
         assert self.layout is not None  # its modes have a rank
         wave = self.layout.basis(int(self.nodal_diameter[mode])) @ amplitude
-        return np.asarray(wave.conj() if self.direction[mode] == "forward" else wave)
+        return np.asarray(wave.conj() if self.goes_ahead[mode] else wave)
 
-    def real_parts(self, chosen: IntArray) -> Modes:
-        """Return two real fields for each chosen mode: Re p and -Im p.
+    @property
+    def has_one_wave(self) -> BoolArray:
+        return np.asarray(self.rank >= 0)
 
-        The motion of a mode is Re p cos(w t) - Im p sin(w t).
-        """
-        fields, twice = self.fields(chosen), np.repeat(chosen, 2)
-        shapes = np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1)
-        return Modes(shapes=shapes, sectors=0, **self.numbers(twice))
+    @property
+    def goes_ahead(self) -> BoolArray:
+        return np.asarray(np.array(self.direction) == "forward")
+
+    @property
+    def pattern(self) -> tuple[str, ...]:
+        return tuple("single" if way == "standing" else "wave" for way in self.direction)
+
+    def drawn(self, numbers: IntArray) -> IntArray:
+        return numbers
+
+    def waves_of(self, numbers: IntArray, omega: float) -> set[Direction]:
+        named, _ = self.named_directions(omega)
+        return {named[number] for number in numbers}
+
+    def of_wave(self, numbers: IntArray, wave: Direction, omega: float) -> IntArray:
+        named, _ = self.named_directions(omega)
+        return np.array([number for number in numbers if named[number] == wave][:1])
+
+    def real_fields(self, fields: ComplexArray) -> FloatArray:
+        """Return two real fields of each mode, Re p and -Im p: its motion is Re p cos(w t) - Im p
+        sin(w t)."""
+        return np.stack([fields.real, -fields.imag], axis=1).reshape(-1, *fields.shape[1:])
+
+    def expand(self, chosen: IntArray) -> Modes:
+        shapes = self.real_fields(self.fields(chosen).T).T
+        return Modes(shapes=shapes, sectors=0, **self.numbers(np.repeat(chosen, 2)))
 
     def static_frequency(self, omega: float) -> FloatArray:
         """Return the frequency of each mode in the static frame [rad/s], (modes,), positive for
@@ -83,9 +106,9 @@ class WhirlModes(ListedModes):
         moved = sign * self.frequency - self.nodal_diameter * omega
         return np.where(sign == 0.0, self.frequency, moved)
 
-    def named_directions(self, omega: float) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
-        """Return the direction of each mode in the rotating and in the static frame at a speed of
-        rotation [rad/s]; forward is the sense of rotation, also for a negative speed."""
+    def named_directions(
+        self, omega: float, *, fixed: bool = False
+    ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
         names = np.array(self.direction)
         signed = self.static_frequency(omega)
         static = directions(np.where(names == "standing", 0.0, signed), omega)

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
-from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_unequal_bearings
+from bladewhirl.models.rotation.unequal_bearings import EllipticWaves, on_bearings
 from bladewhirl.models.structure.waves import Waves
 
 ORDERS = {"forward": 0, "backward": 2}
@@ -20,18 +20,12 @@ ELLIPTIC_ORDERS = {"elliptic": 0}
 MOST = 4  #: largest number of critical speeds of each whirl in `lowest_critical_speeds`
 
 
-def shaft_waves(case: Case, disk: BladedDiskModel) -> Waves:
-    """Return the waves of nodal diameter 1 on the springs of the shaft of a case.
-
-    Raises:
-        ValueError: the sectors of the bladed disk are not equal.
-    """
-    structure = disk.structure
-    first = structure.wave(1).under(case.rotation.effects)
-    if case.shaft.anisotropy and disk.centre.size and structure.layout is not None:
-        along_x = structure.layout.basis(1).conj().T[:, disk.centre[:1]].toarray()
-        return on_unequal_bearings(first, along_x.ravel(), case.shaft.anisotropy)
-    return first
+def centre_in_waves(disk: BladedDiskModel) -> ComplexArray:
+    """Return the displacement of the centre along x and y in the waves of nodal diameter 1, (2, n);
+    (0, n) for a clamped centre."""
+    layout = disk.structure.layout
+    assert layout is not None  # it has waves
+    return np.asarray(layout.basis(1)[disk.centre].toarray())
 
 
 def orders_of(given: Waves) -> dict[str, int]:
@@ -53,7 +47,9 @@ def lowest_critical_speeds(
         return none
     if not disk.structure.still.is_cyclic:
         return none
-    given, speeds, whirls = shaft_waves(case, disk), list[float](), list[str]()
+    waves = disk.structure.wave(1).under(case.rotation.effects)
+    given = on_bearings(waves, centre_in_waves(disk), case.shaft.anisotropy)
+    speeds, whirls = list[float](), list[str]()
     for name, order in orders_of(given).items():
         found = given.synchronous(order)[0][:MOST].tolist()
         speeds += found

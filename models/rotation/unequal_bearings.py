@@ -81,6 +81,20 @@ class EllipticWaves(Waves):
         return np.asarray(w, dtype=np.complex128), fields[:, np.append(backward, forward)]
 
 
+def on_bearings(waves: Waves, centre: ComplexArray, difference: float) -> Waves:
+    """Return the waves of nodal diameter 1 on bearings whose stiffnesses may differ.
+
+    Args:
+        waves: waves with the mean stiffness of the bearings.
+        centre: displacement of the centre along x and y in these waves, (2, n); (0, n) for a
+            centre that does not move.
+        difference: s, see `on_unequal_bearings`.
+    """
+    if not difference or not len(centre):
+        return waves
+    return on_unequal_bearings(waves, centre[0].conj(), difference)
+
+
 def on_unequal_bearings(waves: Waves, centre: ComplexArray, difference: float) -> EllipticWaves:
     """Return the waves of nodal diameter 1 of a bladed disk on unequal bearings.
 

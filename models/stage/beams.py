@@ -19,7 +19,7 @@ from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.describe import stage_arrays
-from bladewhirl.models.modal.full_stage import Frequencies, family_errors
+from bladewhirl.models.modal.frequencies import Frequencies, family_errors
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.at_speed import check_stable, tip_answer, tip_recess

@@ -16,7 +16,7 @@ from bladewhirl.models.elements.build import (
 )
 from bladewhirl.models.elements.cost import stage_cost, tell_cost
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.modal.full_stage import Frequencies, lowest_frequencies
+from bladewhirl.models.modal.frequencies import Frequencies, lowest_frequencies
 from bladewhirl.models.modal.labels import mode_families
 from bladewhirl.models.modal.reduction import craig_bampton
 from bladewhirl.models.modal.suspension import with_sized_shaft

@@ -15,11 +15,10 @@ from scipy.integrate import cumulative_trapezoid
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.describe import casing_arrays
-from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import ModalModel
-from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.modal.whirl_modes import Direction, WhirlModes, in_sense_of_rotation
+from bladewhirl.models.modal.modes import Direction
+from bladewhirl.models.modal.whirl_modes import in_sense_of_rotation
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at, tip_rows
 from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.fields.result import described, stage_dataset
@@ -62,18 +61,21 @@ def mode_motion(
         ValueError: `wave` is a direction of travel, but there is only a single mode.
     """
     on_disk = body == "bladed-disk"
-    arrays = _arrays_of(stage, body, numbers)
+    modes = stage.listed_modes if on_disk else stage.casing_modes
+    resting = np.zeros(1, dtype=np.int64)  # of the other body
+    shown = (numbers, resting)[:: 1 if on_disk else -1]
+    arrays = stage.arrays(stage.listed_modes, *shown)
     attributes = _attributes(stage, float(arrays.contact_radius.max()))
     fixed = stage_dataset(arrays).assign_attrs(attributes)
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
-    whirls = on_disk and isinstance(stage.listed_modes, WhirlModes)
     # The two fields of a whirling mode are one motion, whose direction does not depend on `wave`.
     (towards,) = in_sense_of_rotation((wave,), stage.speed)
+    whirls = modes.REAL_FIELDS == 2
     fields, played = (2, "forward") if whirls else (len(numbers), towards)
     shift, rate = _coordinates(frequency * time, fields, played)
-    shown = stage.case.casing.clearance or SHARE_OF_RADIUS * attributes["tip_radius"]
-    scale = shown / _largest(fixed, body, shift)
+    largest = stage.case.casing.clearance or SHARE_OF_RADIUS * attributes["tip_radius"]
+    scale = largest / _largest(fixed, body, shift)
     moving, other = (arrays.rotor_frequency, arrays.casing_frequency)[:: 1 if on_disk else -1]
     assert moving.size == shift.shape[1]
     rest = np.zeros((PICTURES, other.size))
@@ -99,37 +101,29 @@ def shapes_dataset(stage: ModalModel, body: Body, numbers: IntArray) -> xr.Datas
         numbers: numbers of the modes; of each pair only one number.
     """
     if body == "casing":
-        assert stage.casing is not None
         modes = stage.casing_modes
         data = described(casing_arrays(stage.casing, modes.take(numbers)))
         purity = ("casing_mode", modes.purity[numbers])
         radius = float(stage.casing.mesh.radius)
         return data.assign(casing_purity=purity).assign_attrs(_attributes(stage, radius))
-    arrays, listed = _arrays_of(stage, body, numbers), stage.listed_modes
+    listed = stage.listed_modes
+    arrays = stage.arrays(listed, numbers, np.zeros(1, dtype=np.int64))
     data = stage_dataset(arrays).assign_attrs(
         _attributes(stage, float(arrays.contact_radius.max()))
     )
-    if isinstance(listed, WhirlModes):  # two fields of each mode
-        first = slice(None, None, 2)
-        data = data.isel({"rotor_mode": first, "mode": first}, missing_dims="ignore")
+    first = slice(None, None, listed.REAL_FIELDS)
+    data = data.isel({"rotor_mode": first, "mode": first}, missing_dims="ignore")
+    if listed.REAL_FIELDS == 2:  # they travel
         ways = [np.array(way)[numbers] for way in listed.named_directions(stage.speed)]
         data = data.assign(
             rotor_direction=("rotor_mode", ways[0]), rotor_direction_static=("rotor_mode", ways[1])
         )
-    motions = stage.tip_motions(listed)
+    motions = stage.disk.tip_motions
     return data.assign(
         rotor_purity=("rotor_mode", listed.purity[numbers]),
         rotor_family=("rotor_mode", [listed.family[i] for i in numbers]),
         rotor_tip_motion=("rotor_mode", [motions[i] for i in numbers]),
     )
-
-
-def _arrays_of(model: ModalModel, body: Body, numbers: IntArray) -> StageArrays:
-    """Return the arrays of a stage with some modes of one body, see `mode_motion`; the other body
-    has one mode, which stays at rest."""
-    resting = np.zeros(1, dtype=np.int64)
-    bodies = (numbers, resting)[:: 1 if body == "bladed-disk" else -1]
-    return model.shown_arrays(*bodies)
 
 
 def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) -> xr.Dataset:
@@ -163,7 +157,7 @@ def coupled_mode_motion(stage: StageModes, motion: CoupledMotion, kappa: float) 
         "damping_work": lost,
         "coupling_work": energy - energy[0] + lost,
     }
-    arrays = stage.modal.arrays(rotor_modes, wall_modes)
+    arrays = stage.modal.arrays(stage.modal.disk_modes, rotor_modes, wall_modes)
     return stage_dataset(arrays, in_time).assign_attrs(
         _attributes(stage.modal, float(arrays.contact_radius.max())),
         title="coupled mode",
@@ -179,7 +173,7 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
     The displacements are computed from the finite element modes, even if the coupling is computed
     with the paper's simplification that the radial amplitude of every mode is 1.
     """
-    disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
+    disk, casing, size = stage.modal.beams, stage.modal.casing, stage.modes.size
     rotor, rotor_modes = stage.coordinates(on_casing=False)
     wall, wall_modes = stage.coordinates(on_casing=True)
     shapes = stage.modal.disk_modes.fields(rotor_modes)
@@ -198,17 +192,16 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
     )
 
 
-def shown_clearance(stage: ModalStage) -> float:
+def shown_clearance(stage: ModalModel) -> float:
     """Return the clearance [m], or a thousandth of the tip radius if the clearance is zero."""
     return stage.case.casing.clearance or SHARE_OF_RADIUS * stage.case.tip_radius
 
 
 def _attributes(stage: ModalModel, tip_radius: float) -> dict[str, Any]:
-    casing = stage.casing
     return {
         "case": stage.case.title,
         "reference_frequency": stage.reference_frequency,
-        "casing_radius": tip_radius if casing is None else casing.mesh.radius,
+        "casing_radius": stage.casing.mesh.radius,
         "tip_radius": tip_radius,
         "clamped": int(stage.case.shaft.clamped),
         "rotation": "clockwise" if stage.speed < 0.0 else "counter-clockwise",
@@ -251,8 +244,8 @@ def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatA
 
 def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
     """Return the gap at each tip at each record, (records, blades)."""
-    angle = stage.modal.disk.tip_angles + motion.speed * motion.time[:, None]
+    angle = stage.modal.beams.tip_angles + motion.speed * motion.time[:, None]
     wall = (motion.casing_wave[:, None] * np.exp(-1j * motion.nodal_diameter * angle)).real
     tips = motion.displacement @ radial_shapes(stage).tips.T
-    at_rest = stage.modal.case.casing.clearance + stage.modal.disk.model.tip_recess
+    at_rest = stage.modal.case.casing.clearance + stage.modal.beams.model.tip_recess
     return np.asarray(at_rest + wall - tips)

@@ -156,7 +156,7 @@ def campbell(
             "case_speed": stage.speed / reference,
             "speeds": shown,
             "blades": stage.case.bladed_disk.count,
-            "hints": "; ".join(stage.hints),
+            "hints": "; ".join(stage.disk.hints),
             "operating_range": operated,
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])

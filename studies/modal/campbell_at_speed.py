@@ -115,7 +115,7 @@ def dataset_at_speed(
     ]
     diameters, families, at_rest, directions, frequencies = zip(*branches, strict=True)
     rates = np.abs(np.array(frequencies).imag)
-    growth = stage.growth(omegas)
+    growth = stage.disk.growth(omegas)
     of_tips = {}
     if growth is not None:
         of_tips = {"tip_growth": quantity("line_speed", growth, "m", "growth of the tips")}
@@ -142,7 +142,7 @@ def dataset_at_speed(
         },
         attrs={
             "waves_meet": first / reference,
-            "clearance_gone": stage.clearance_gone / reference,
+            "clearance_gone": stage.disk.clearance_gone / reference,
             "rotation_effects": stage.effects,
         },
     )

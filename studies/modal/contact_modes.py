@@ -53,7 +53,7 @@ def contact_modes(case_or_stage: Modelled, *, families: int = 3) -> xr.Dataset:
     """
     model = modal_model(case_or_stage, families=families)
     model = model.covering(abs(model.speed))
-    waves, tips, names = model.waves, model.tips, names_of(model.disk_modes)
+    waves, tips, names = model.waves, model.disk.tips, names_of(model.disk_modes)
     speed = model.speed if model.turns else 0.0
     ranks = {f"{rank}F": rank for rank in range(1, families + 1)}
     rows = []
@@ -87,7 +87,7 @@ def contact_modes(case_or_stage: Modelled, *, families: int = 3) -> xr.Dataset:
             "title": "modes in contact",
             "case": model.case.title,
             "reference_frequency_hz": model.reference_frequency / hertz,
-            "hints": "; ".join(model.hints),
+            "hints": "; ".join(model.disk.hints),
         },
     )
 

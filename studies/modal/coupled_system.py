@@ -19,10 +19,11 @@ from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obsta
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.rotation.at_speed import lowest_critical_speed
 from bladewhirl.models.rotation.internal_growth import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.solvers.stability.floquet import exponents
 from bladewhirl.solvers.stability.growth import Progress, growth_rate, is_unstable
 
@@ -122,7 +123,7 @@ class EvenSystem(System):
 
 
 def couple(
-    modal: ModalStage,
+    modal: ModalModel,
     *,
     modes: str,
     damped: bool,
@@ -146,7 +147,7 @@ def couple(
             requested for modes with several nodal diameters, or a chart for a periodic system.
     """
     one_each = modal.casing.structure.is_cyclic and not np.any(
-        modal.disk.blade_columns(modal.disk_modes.column) < 0
+        modal.beams.blade_columns(modal.disk_modes.column) < 0
     )
     obstacles = standing_obstacles(modal, damped=damped)
     if chart and obstacles:
@@ -187,7 +188,7 @@ def couple(
 
 
 def couple_even(
-    modal: ModalStage, *, modes: str, damped: bool, with_pi: bool, physical: bool
+    modal: ModalModel, *, modes: str, damped: bool, with_pi: bool, physical: bool
 ) -> EvenSystem:
     """Couple modes of a stage with cyclic symmetry; see `couple`.
 
@@ -196,7 +197,7 @@ def couple_even(
     case, disk = modal.case, None
     if case.rotation.effects == "centrifugal":  # couple modes at rest, not at speed
         effects = case.rotation.model_copy(update={"effects": "none"})
-        at_rest = modal_stage(case.model_copy(update={"rotation": effects}))
+        at_rest = modal_model(case.model_copy(update={"rotation": effects}))
         modal = replace(at_rest, case=case)
     try:
         all_modes = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
@@ -204,7 +205,7 @@ def couple_even(
         raise UserError(f"stability: {error}") from None
     all_modes = replace(all_modes, modes=replace(all_modes.modes, with_pi=with_pi))
     if case.rotation.effects != "none":
-        disk = replace(modal.disk, structure=rotation_matrices(modal.disk))
+        disk = replace(modal.beams, structure=rotation_matrices(modal.beams))
         all_modes = at_speed(all_modes, disk.structure.under(case.rotation.effects))
     stage = _chosen(all_modes, modes)
     stage = stage if physical else stage.with_unit_amplitudes()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import cast, get_args
+from typing import get_args
 
 import numpy as np
 import xarray as xr
@@ -21,7 +21,6 @@ from bladewhirl.models.inputs.mode_names import CASING
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.modes import ListedModes
-from bladewhirl.models.modal.whirl_modes import WhirlModes
 from bladewhirl.models.stage.modal import full_models
 from bladewhirl.postprocess.modal.mode_shapes import (
     mode_title,
@@ -93,11 +92,11 @@ def plan_pictures(
     Raises:
         UserError: a mode or wave does not exist, or there is no surface to film.
     """
-    if animate and not stage.has_surface:
+    if animate and not stage.disk.has_surface:
         raise UserError(f"--animate {animate}: {NO_SURFACE}")
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
-    if animate is None and not stage.has_surface:
+    if animate is None and not stage.disk.has_surface:
         filmed = []
     elif animate is None:
         filmed = _of_family(stage, "bladed-disk", "1F", [1, -1])[:1]
@@ -156,19 +155,15 @@ def _wave(stage: ModalModel, mode: ChosenMode, wave: str | None) -> Wave:
     Raises:
         UserError: the mode does not have the wave.
     """
-    waves = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
-    listed = stage.listed_modes
-    if mode.body == "bladed-disk" and isinstance(listed, WhirlModes):
-        named, _ = listed.named_directions(stage.speed)
-        waves = {named[number] for number in mode.numbers}
+    waves = _modes_of(stage, mode.body).waves_of(mode.numbers, stage.speed)
     amplified = FED[mode.body]
     if wave is None:
-        return amplified if amplified in waves else cast(Wave, min(waves))
+        return amplified if amplified in waves else min(waves)
     if wave not in waves:
         raise UserError(
             f"--wave {wave}: expected {' or '.join(sorted(waves))}, the only waves of {mode.name}"
         )
-    return cast(Wave, wave)
+    return wave
 
 
 Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]  #: names of figures, with figures and data
@@ -176,12 +171,11 @@ Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]  #: names of figures, wi
 
 def _shapes(stage: ModalModel, modes: list[ChosenMode]) -> Drawn:
     for body in BODIES:
-        whirls = body == "bladed-disk" and isinstance(stage.listed_modes, WhirlModes)
         numbers = [
             number
             for mode in modes
             if mode.body == body
-            for number in (mode.numbers if whirls else mode.numbers[:1])
+            for number in _modes_of(stage, body).drawn(mode.numbers)
         ]
         if numbers:
             data = shapes_dataset(stage, body, np.array(numbers))
@@ -209,20 +203,18 @@ def _film(
     stage: ModalModel, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
-    modes, numbers = _modes_of(stage, mode.body), mode.numbers
-    if isinstance(modes, WhirlModes):  # of the bladed disk
-        direction, _ = modes.named_directions(stage.speed)
-        numbers = np.array([number for number in numbers if direction[number] == wave][:1])
+    modes = _modes_of(stage, mode.body)
+    numbers = modes.of_wave(mode.numbers, wave, stage.speed)
     purity, hertz = modes.purity[numbers[0]], modes.frequency[numbers[0]] / (2.0 * np.pi)
     name = mode_title(mode.family, mode.nodal_diameter, purity)
     on_casing = mode.body == "casing"
-    does = "" if on_casing else stage.tip_motions(modes)[numbers[0]]
+    does = "" if on_casing else stage.disk.tip_motions[numbers[0]]
     title = ", ".join(filter(None, [name, does, f"{wave} wave", f"{hertz:.4g} Hz"]))
     title = f"casing {title}" if on_casing else title
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem
     film = folder / f"{stem}.gif"
-    if wave != "standing" and (stage.of_lines or mode.body == "casing"):
+    if wave != "standing" and (stage.disk.of_lines or mode.body == "casing"):
         figure = plot_travelling_wave(motion, mode.body)
         save_figures(folder, {f"{stem}-wave": (figure, motion)}, overwrite=overwrite)
     with writing(folder):
@@ -271,8 +263,7 @@ def _of_family(
     modes, chosen = _modes_of(stage, body), []
     for k in diameters:
         numbers = modes.find(family, k)
-        order = modes.rank if isinstance(modes, WhirlModes) else modes.column
-        paired = numbers.size and order[numbers[0]] >= 0
+        paired = numbers.size and modes.has_one_wave[numbers[0]]
         groups = [numbers] if paired else list(numbers[:, None])
         groups = groups if every else groups[:1]
         chosen += [

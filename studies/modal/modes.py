@@ -7,8 +7,7 @@ import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.modal_model import ModalModel
-from bladewhirl.models.modal.modes import ListedModes, is_first_of_pair
-from bladewhirl.models.modal.whirl_modes import Direction, WhirlModes, directions
+from bladewhirl.models.modal.modes import ListedModes
 from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
@@ -89,38 +88,29 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
     if count < 1:
         raise UserError(f"modes: count {count}: expected at least 1")
     stage = modal_model(case_or_stage, count=count)
-    lists: list[tuple[str, str, ListedModes]] = [
-        ("bladed-disk", centre, source) for centre, source in stage.by_centre.items()
-    ]
+    lists = [_modes_of(disk.listed, stage, centre) for centre, disk in stage.disks.items()]
     if stage.casing_modes.count:
-        lists.append(("casing", "", stage.casing_modes))
-    return xr.concat(
-        [_modes_of(source, body, centre, stage) for body, centre, source in lists], "mode"
-    ).assign_attrs(
+        lists.append(_modes_of(stage.casing_modes, stage))
+    return xr.concat(lists, "mode").assign_attrs(
         title="natural modes",
         centre=stage.centre,
         rotation_effects=stage.effects,
-        hints="; ".join(stage.hints),
+        hints="; ".join(stage.disk.hints),
         reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
     )
 
 
-def _modes_of(modes: ListedModes, body: str, centre: str, stage: ModalModel) -> xr.Dataset:
-    """Return all modes of one body."""
-    if isinstance(modes, WhirlModes):
-        pattern = ["single" if way == "standing" else "wave" for way in modes.direction]
-        rotating, static = modes.named_directions(stage.speed)
-    else:
-        pattern = [_pattern(modes, number) for number in range(modes.count)]
-        rotating, static = _directions_of_pairs(modes, pattern, body, abs(stage.speed))
+def _modes_of(modes: ListedModes, stage: ModalModel, centre: str = "") -> xr.Dataset:
+    """Return all modes of the bladed disk with one state of its centre, or of the casing."""
+    rotating, static = modes.named_directions(stage.speed, fixed=not centre)
     reference = stage.reference_frequency
     texts = {
-        "body": [body] * modes.count,
+        "body": ["bladed-disk" if centre else "casing"] * modes.count,
         "centre": [centre] * modes.count,
         "family": modes.family,
         "family_at_rest": modes.at_rest or modes.family,
-        "tip_motion": stage.tip_motions(modes) if body == "bladed-disk" else [""] * modes.count,
-        "pattern": pattern,
+        "tip_motion": stage.disks[centre].tip_motions if centre else [""] * modes.count,
+        "pattern": modes.pattern,
         "direction": rotating,
         "direction_static": static,
     }
@@ -143,28 +133,6 @@ def _modes_of(modes: ListedModes, body: str, centre: str, stage: ModalModel) -> 
     for name, long_name in LEVELS.items():
         data[name].attrs["long_name"] = long_name
     return data
-
-
-def _directions_of_pairs(
-    modes: ListedModes, pattern: list[str], body: str, omega: float
-) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
-    """Return the directions of the waves of real modes, in the rotating and in the static frame.
-
-    The two modes of a degenerate pair combine to a backward and a forward wave in the frame of the
-    body: the backward wave is listed with the cosine mode, the forward wave with the sine mode.
-    """
-    sign = np.array([{"cosine": 1.0, "sine": -1.0}.get(name, 0.0) for name in pattern])
-    rotation = np.where(sign == 0.0, 0.0, modes.nodal_diameter * omega)
-    rate = sign * modes.frequency
-    if body == "casing":
-        return directions(rate + rotation, omega), directions(rate, omega)
-    return directions(rate, omega), directions(rate - rotation, omega)
-
-
-def _pattern(modes: ListedModes, number: int) -> str:
-    if is_first_of_pair(modes.column, number):
-        return "cosine"
-    return "sine" if number and is_first_of_pair(modes.column, number - 1) else "single"
 
 
 def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:

@@ -81,7 +81,7 @@ def resonances(
         resonance_margin, the distance of the band between both from the operating range, divided by
         the nearer end of the range.
     """
-    tips, blades = model.tips, model.case.bladed_disk.count
+    tips, blades = model.disk.tips, model.case.bladed_disk.count
     rows: list[dict[str, Any]] = []
     for order, source in orders.items():
         k, sign = met_wave(order, blades)

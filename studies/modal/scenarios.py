@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.whirl_modes import whirl_modes
+from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.postprocess.modal.motion import shown_clearance
 from bladewhirl.solvers.stability.coupled_modes import wave_coefficient
 from bladewhirl.solvers.stability.scenario import (
@@ -50,7 +50,7 @@ class WhirlingModes:
         return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
 
 
-def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F") -> WhirlingModes:
+def whirling_modes(stage: ModalModel, *, casing_share: float, family: str = "1F") -> WhirlingModes:
     """Combine a k = 1 mode of the bladed disk and the lowest k = 1 mode of the casing at the onset
     of contact.
 
@@ -75,14 +75,14 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
         raise UserError("the casing has no mode with k = 1")
     wall = float(casing_modes.frequency[on_casing[0]])
     if stage.case.rotation.effects == "full":
-        frequency, shape = _backward_wave(stage, stage.turning, family, wall)
+        frequency, shape = _backward_wave(stage, family, wall)
     else:
         frequency = float(disk_modes.frequency[on_disk[0]])
         shape = disk_modes.fields(on_disk[:1])
-    centre = stage.disk.mesh.node_sets["centre"][0]
-    shaft = float(stage.disk.cartesian(shape)[centre, 0, 0])
-    tips = shape[stage.disk.tip_radial, 0]
-    rotor = float(wave_coefficient(tips, stage.disk.tip_angles, SHAFT).real)
+    centre = stage.beams.mesh.node_sets["centre"][0]
+    shaft = float(stage.beams.cartesian(shape)[centre, 0, 0])
+    tips = shape[stage.beams.tip_radial, 0]
+    rotor = float(wave_coefficient(tips, stage.beams.tip_angles, SHAFT).real)
     clearance = shown_clearance(stage)
     scale = clearance / abs(rotor * (1.0 - casing_share))
     return WhirlingModes(
@@ -96,9 +96,7 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
     )
 
 
-def _backward_wave(
-    stage: ModalStage, turning: BladedDiskModel, family: str, wall: float
-) -> tuple[float, FloatArray]:
+def _backward_wave(stage: ModalModel, family: str, wall: float) -> tuple[float, FloatArray]:
     """Return frequency [rad/s] and field (size, 1) of the backward k = 1 wave of a family, at the
     speed at which it coincides with a casing wave of the frequency `wall` [rad/s]; the crest of the
     field is at angle 0.
@@ -107,7 +105,7 @@ def _backward_wave(
         UserError: there is no coincidence speed, or the bearings are unequal.
     """
     refuse_unequal_bearings(family, stage.case)
-    disk_waves = turning.structure.wave(SHAFT)
+    disk_waves = stage.disk.waves[SHAFT]
     branch, modes = stage.disk_modes.one_a_pair(), stage.disk_modes
     pairs = [i for i in branch if modes.nodal_diameter[i] == SHAFT]
     rank = [modes.family[i] for i in pairs].index(family)
@@ -119,12 +117,12 @@ def _backward_wave(
     ]
     if not met:
         raise UserError(f"{family}: the backward wave coincides with the casing wave at no speed")
-    structure = turning.structure.still.at(float(met[0]))
+    structure = rotation_matrices(stage.beams).at(float(met[0]))
     whirl = whirl_modes(structure)
     backward = np.array(whirl.direction) == "backward"
     chosen = backward & (whirl.nodal_diameter == SHAFT) & (whirl.rank == rank)
     field = whirl.fields(np.flatnonzero(chosen))
-    crest = np.exp(-1j * stage.disk.tip_angles) @ field[stage.disk.tip_radial, 0]
+    crest = np.exp(-1j * stage.beams.tip_angles) @ field[stage.beams.tip_radial, 0]
     return SHAFT * float(met[0]) - wall, (field * np.conj(crest) / np.abs(crest)).real
 
 

@@ -64,7 +64,7 @@ def stability(
     each mode has one nodal diameter, the borders of unstable zones and the coincidence speeds.
 
     Args:
-        case_or_stage: a case, or its stage from `build_stage` or `modal_stage`.
+        case_or_stage: a case, or its stage from `build_stage`.
         speed: speeds in multiples of the reference frequency, or one speed as text such as "2500
             rpm".
         kappa: stiffness of the springs [N/m].

@@ -7,7 +7,7 @@ import scipy.linalg as la
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.cyclic import wave_shares
-from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.studies.convergence.study import FAMILIES
 from bladewhirl.studies.modal.campbell import campbell
@@ -24,7 +24,7 @@ CROSSINGS = (0.7, 1.3)
 """Normalised speeds of operation, among which are the paper's coincidences of the family 1F."""
 
 
-def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
+def modal_measures(case: Case, stage: ModalModel) -> dict[str, Any]:
     """Compute the modal numbers of a case with a free centre.
 
     Frequencies and speeds are normalised, changes and errors are in per cent, phases in degrees.
@@ -55,8 +55,9 @@ def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     }
     centre, shift = centre_motion(stage), clamping_shifts(diagrams)
     suspension = suspension_frequency(diagrams) or 0.0
-    second = np.array(stage.free_modes.family) == "2F"
-    second_family = float(stage.free_modes.frequency[second].min() / stage.reference_frequency)
+    free = stage.disks["free"].labelled
+    second = free.frequency[np.array(free.family) == "2F"]
+    second_family = float(second.min() / stage.reference_frequency)
     listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in crossings.items())
     return {
         "centre_one": centre.pop(1),
@@ -81,7 +82,7 @@ def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     }
 
 
-def centre_motion(stage: ModalStage) -> dict[int, float]:
+def centre_motion(stage: ModalModel) -> dict[int, float]:
     """Return the largest motion of the centre relative to the largest motion of the mode, by nodal
     diameter.
 
@@ -89,7 +90,8 @@ def centre_motion(stage: ModalStage) -> dict[int, float]:
     imply the result. Modes that are not dominated by one nodal diameter are left out: modes of
     different nodal diameters but nearly equal frequencies mix.
     """
-    disk, structure = stage.free_disk, stage.free_disk.structure
+    disk = stage.disks["free"].beams
+    structure = disk.structure
     assert structure.layout is not None  # the bladed disk of a case consists of sectors
     count = min(SHOWN_FAMILIES * structure.layout.sectors, structure.size) - 1
     shapes = la.eigh(
@@ -101,9 +103,9 @@ def centre_motion(stage: ModalStage) -> dict[int, float]:
     return {k: float(centre[shares[k] >= PURE].max(initial=0.0)) for k in range(shares.shape[0])}
 
 
-def blade_stiffness(stage: ModalStage) -> float:
+def blade_stiffness(stage: ModalModel) -> float:
     """Return the tangential stiffness at the tip of a blade clamped at its root [N/m]."""
-    disk = stage.free_disk
+    disk = stage.disks["free"].beams
     sectors = disk.mesh.sectors
     assert sectors is not None  # the bladed disk of a case consists of sectors
     root = disk.mesh.node_sets["roots"][0]

@@ -14,7 +14,8 @@ from bladewhirl.files import packaged_rows
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.case.file import override_values, with_values
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
@@ -162,9 +163,9 @@ class Evidence(AbstractContextManager["Evidence"]):
         return changed("modal", self.changes)
 
     @cached_property
-    def stage(self) -> ModalStage:
+    def stage(self) -> ModalModel:
         """Finite element models and modes of the modal case."""
-        return modal_stage(self.modal_case)
+        return modal_model(self.modal_case)
 
     @cached_property
     def modal(self) -> Mapping[str, Any]:

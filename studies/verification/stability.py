@@ -14,10 +14,10 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
-from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
@@ -142,7 +142,7 @@ def growth_of_a_march_at_speed() -> Pair:
     push = {"reduction.modes": "six", "initial.centre_velocity": [1e-12, 0.0]}
     at_rest, coupling = on_springs(changes | push)
     case = with_values(Case(), changes | {"rotation.effects": "full"})
-    system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
+    system = couple(modal_model(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
     omega = at_rest.speed
     names = ("gyroscopic", "stiffness_speed")

@@ -11,7 +11,10 @@ from places import ROOT
 
 LAYERS = ("models", "solvers", "postprocess", "studies")
 
-KINDS = "Stage|Beams|Matrices|ModalStage|ModalSuperelement|ContactProblem"
+KINDS = (
+    "Stage|Beams|Matrices|ModalModel|ModalDisk|BeamDisk|MatrixDisk"
+    "|ListedModes|WhirlModes|LabelledModes|ContactProblem"
+)
 
 QUESTIONS = re.compile(
     rf"isinstance\([^()]*\b(?:{KINDS})\)"

@@ -8,14 +8,14 @@ import pytest
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
-from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.solvers.stability.zones import unstable_zones
 
 
 @cache
 def stage(damping_ratio: float = 0.0, clamped: bool = False) -> StageModes:
     """The default case: paper's stage with a soft casing support and thicker disk beams."""
-    modal = modal_stage(Case(shaft=Shaft(clamped=clamped)))
+    modal = modal_model(Case(shaft=Shaft(clamped=clamped)))
     return stage_modes(modal, damping_ratio=damping_ratio)
 
 
@@ -41,7 +41,7 @@ def test_physical_amplitudes() -> None:
 def test_amplitudes_are_those_of_the_fields_everywhere() -> None:
     """Cosine and sine of a pair give the tips a cos k theta and a sin k theta, with one a."""
     modes = stage().modes
-    disk, casing = stage().modal.disk, stage().modal.casing
+    disk, casing = stage().modal.beams, stage().modal.casing
     disk_modes, casing_modes = stage().modal.disk_modes, stage().modal.casing_modes
     assert modes.entries > 50
     for i, number in enumerate(stage().number):

@@ -19,7 +19,8 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.coupling.equations import CoupledEquations
 from bladewhirl.models.coupling.stage_modes import stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.solvers.stability.floquet import coupled_floquet, exponents
 from bladewhirl.solvers.stability.growth import growth_rate
@@ -36,14 +37,14 @@ RIB = {"casing.stiffened_arcs": [{"start": 0.0, "end": 1.5707963267948966, "thic
 
 
 @cache
-def tuned(blades: int = 6) -> ModalStage:
+def tuned(blades: int = 6) -> ModalModel:
     """The paper's stage, of fewer blades and elements."""
-    return modal_stage(with_values(Case(), SMALL | {"bladed_disk.blades": blades}))
+    return modal_model(with_values(Case(), SMALL | {"bladed_disk.blades": blades}))
 
 
-def uneven(changes: Mapping[str, object]) -> ModalStage:
+def uneven(changes: Mapping[str, object]) -> ModalModel:
     """The same with something that breaks its symmetry."""
-    return modal_stage(with_values(Case(), SMALL | dict(changes)))
+    return modal_model(with_values(Case(), SMALL | dict(changes)))
 
 
 @pytest.mark.slow
@@ -109,7 +110,7 @@ def test_a_slightly_uneven_stage_is_near_the_even_one() -> None:
     """And so for bladed disk and casing alike."""
     small = {"casing.springs": [{"angle": 0.3, "radial": 10.0}], "shaft.stiffness_y": 3.4001e7}
     modal = uneven(small)
-    assert not modal.disk.structure.is_cyclic
+    assert not modal.beams.structure.is_cyclic
     assert not modal.casing.structure.is_cyclic
     omega = 1.17 * modal.reference_frequency
     even = stage_modes(tuned(), damping_ratio=0.0).six_modes().with_unit_amplitudes().modes

@@ -20,7 +20,7 @@ from bladewhirl.models.elements.cost import (
 )
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.stage.modal import modal_model
 
 
 def large(blades: int, elements: int) -> Case:
@@ -74,4 +74,4 @@ def test_modes_of_blades_that_differ_cost_the_square_of_the_whole(
     assert all_at_once.time == pytest.approx(DENSE_SECONDS * one.dofs**3, rel=1e-5)
     monkeypatch.setattr(cost, "memory", lambda: 0.99 * all_at_once.memory)
     with pytest.raises(UserError, match=r"^bladed_disk: expected a smaller stage: 12602 degrees"):
-        modal_stage(differing)
+        modal_model(differing)

@@ -31,7 +31,7 @@ from bladewhirl.models.elements.build import case_beam_model
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.from_mesh import grouped_lines
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.modal.full_stage import lowest_frequencies
+from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.sections.rectangular import Section
 
 EXAMPLE = EXAMPLES / "shrouded_fan.toml"

@@ -6,7 +6,7 @@ import scipy.linalg as la
 
 from bladewhirl.models.case.case import case_from
 from bladewhirl.models.elements.build import case_bladed_disk
-from bladewhirl.models.modal.full_stage import lowest_frequencies
+from bladewhirl.models.modal.frequencies import lowest_frequencies
 
 
 @pytest.mark.parametrize(("blades", "elements"), [(300, 10), (40, 50)])

@@ -10,20 +10,20 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.modal.suspension import KEY, with_sized_shaft
+from bladewhirl.models.stage.modal import modal_model
 
 
 @pytest.mark.parametrize("wanted", [60.0, 150.0, 400.0])
 def test_the_suspension_is_where_it_is_wanted(wanted: float) -> None:
-    modes = modal_stage(with_values(Case(), {KEY: wanted})).free_modes
+    modes = modal_model(with_values(Case(), {KEY: wanted})).disks["free"].labelled
     pair = modes.frequency[modes.find("suspension", 1)] / (2.0 * np.pi)
     np.testing.assert_allclose(pair, wanted, rtol=1e-9)
 
 
 def test_the_paper_s_springs_come_back() -> None:
     """The frequency that 34 MN/m give asks for 34 MN/m."""
-    modes = modal_stage(Case()).free_modes
+    modes = modal_model(Case()).disks["free"].labelled
     actual = float(modes.frequency[modes.find("suspension", 1)[0]] / (2.0 * np.pi))
     shaft = with_sized_shaft(with_values(Case(), {KEY: actual})).shaft
     assert shaft.stiffness == pytest.approx(Case().shaft.stiffness, rel=1e-8)

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.modal.whirl_modes import WhirlModes
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes, plot_travelling_wave
@@ -46,8 +48,8 @@ def casing_field(data: xr.Dataset, angle: NDArray[np.float64]) -> NDArray[np.flo
 
 
 @cache
-def stage(clearance: float = 1e-3, effects: str = "none") -> ModalStage:
-    return modal_stage(
+def stage(clearance: float = 1e-3, effects: str = "none") -> ModalModel:
+    return modal_model(
         bw.with_values(
             bw.Case(),
             {
@@ -99,9 +101,9 @@ def test_waves_travel_as_they_are_called(
 def test_whirling_modes_travel_as_they_are_called(k: int) -> None:
     """With Coriolis forces each wave has a frequency of its own, at speed."""
     own = stage(effects="full")
-    assert own.disk_whirl is not None
-    actual = own.disk_whirl
-    numbers = own.disk_whirl.find("1F", k)
+    actual = own.listed_modes
+    assert isinstance(actual, WhirlModes)
+    numbers = own.listed_modes.find("1F", k)
     assert {actual.direction[number] for number in numbers} == (
         {"forward", "backward"} if k else {"standing"}
     )
@@ -281,8 +283,8 @@ def whirling() -> xr.Dataset:
 def test_veering_at_speed_tells_waves_both_ways() -> None:
     """Branches at the case's stiffness are the whirling modes, found from other matrices."""
     own, data = stage(effects="full"), whirling()
-    assert own.disk_whirl is not None
-    actual = own.disk_whirl
+    actual = own.listed_modes
+    assert isinstance(actual, WhirlModes)
     for way in ("backward", "forward"):
         here = (actual.nodal_diameter == 1) & (np.array(actual.direction) == way)
         branches = data.isel(branch=(data["branch_direction"] == way).values)
@@ -291,7 +293,7 @@ def test_veering_at_speed_tells_waves_both_ways() -> None:
         np.testing.assert_allclose(drawn, actual.frequency[here][:size], rtol=1e-8)
         share = branches["branch_spring_share"].sel(stiffness=own.case.shaft.stiffness)
         np.testing.assert_allclose(share, actual.spring_share[here][:size], rtol=1e-6, atol=1e-9)
-        names = np.array(own.disk_whirl.family)[here][:size]
+        names = np.array(own.listed_modes.family)[here][:size]
         assert branches["branch_family"].values.tolist() == names.tolist()
     first = data.frequency.sel(centre="free", family="1F", nodal_diameter=1)
     assert sorted(first["direction"].values.tolist()) == ["backward", "forward"]

@@ -16,8 +16,8 @@ import bladewhirl as bw
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.whirl_modes import WhirlModes
+from bladewhirl.models.stage.matrix_disk import MatrixDisk
 from bladewhirl.models.stage.modal import modal_model
-from bladewhirl.models.stage.modal_superelement import modal_superelement
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.surface_shapes import facing_triangles
@@ -32,14 +32,16 @@ CASES = [("none", "bladed-disk", "1F"), ("full", "bladed-disk", "1F"), ("none", 
 
 def test_shapes_of_a_sector_go_on_around_the_wheel(tmp_path: Path) -> None:
     """A turn by one sector mixes the cosine and the sine mode of a pair."""
-    model = modal_superelement(exported(beams("sector"), "sector", tmp_path), count=8)
+    model = modal_model(exported(beams("sector"), "sector", tmp_path), count=8)
     modes = model.listed_modes
     pair = np.flatnonzero((modes.nodal_diameter == 2) & (np.array(modes.family) == "1F"))
-    cosine, sine = model.points(pair).real.reshape(2, BLADES, -1, 3)
+    disk = model.disk
+    assert isinstance(disk, MatrixDisk)
+    cosine, sine = disk.points(modes, pair).real.reshape(2, BLADES, -1, 3)
     angle = 2.0 * np.pi / BLADES
     expected = np.cos(2 * angle) * cosine - np.sin(2 * angle) * sine
     assert rotate(cosine, -angle)[1:] == pytest.approx(expected[:-1], abs=1e-12)
-    positions = model.stage.shown_arrays.point.reshape(BLADES, -1, 3)
+    positions = disk.stage.shown_arrays.point.reshape(BLADES, -1, 3)
     assert rotate(positions, -angle)[1:] == pytest.approx(positions[:-1], abs=1e-12)
     assert np.abs(cosine - sine).max() > 0.1 * np.abs(cosine).max()
 
@@ -47,7 +49,7 @@ def test_shapes_of_a_sector_go_on_around_the_wheel(tmp_path: Path) -> None:
 def test_a_surface_is_coloured_by_displacement(tmp_path: Path) -> None:
     bw.write_superelement(file := tmp_path / "rods.npz", blade())
     case = bw.case_from(tables(file))
-    model = modal_superelement(case, count=3)
+    model = modal_model(case, count=3)
     data = shapes_dataset(model, "bladed-disk", np.arange(2)).assign_attrs(title="shapes")
     moved = data["point_shape"].values[..., 0]
     square = data["rotor_frequency"].values[0] ** 2

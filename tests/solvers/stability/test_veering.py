@@ -8,15 +8,16 @@ import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 from bladewhirl.solvers.stability.veering import shaft_veering, whirl_veering
 from bladewhirl.studies.modal.veering import clamping_shifts, veering, veering_facts
 
 
 @cache
-def stage(stiffness: float = 3.4e7) -> ModalStage:
-    return modal_stage(with_values(Case(), {"shaft.stiffness": stiffness}))
+def stage(stiffness: float = 3.4e7) -> ModalModel:
+    return modal_model(with_values(Case(), {"shaft.stiffness": stiffness}))
 
 
 @cache
@@ -73,7 +74,7 @@ def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> N
     springs = np.array([1e5, 3.4e7, 5e9])
     actual = veering(stage(), families=2, stiffnesses=springs)["branch_frequency"]
     for kappa, row in zip(springs, 2.0 * np.pi * actual.values, strict=True):
-        modes = stage(float(kappa)).free_modes
+        modes = stage(float(kappa)).disks["free"].labelled
         first = modes.frequency[(modes.nodal_diameter == 1) & (modes.column == 1)]
         # Rounding errors of the highest squared frequency, 2e9 times the lowest, are 2e-7 of it.
         np.testing.assert_allclose(row, first[:5], rtol=3e-7)
@@ -92,7 +93,7 @@ def test_branches_rise_between_those_of_a_clamped_centre() -> None:
 
 
 def test_clamped_frequencies_of_the_branches_are_those_of_the_clamped_stage() -> None:
-    modes = stage().clamped_modes
+    modes = stage().disks["clamped"].labelled
     first = modes.frequency[(modes.nodal_diameter == 1) & (modes.column == 1)][:5]
     actual = diagrams()["clamped_frequency"].values
     np.testing.assert_allclose(2.0 * np.pi * actual, first, rtol=1e-9)

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from stages import oracle
 
 import bladewhirl as bw
-from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.rotation.critical_speeds import ORDERS
 from bladewhirl.models.stage.hints import stage_hints
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
 from bladewhirl.postprocess.modal.veering import plot_critical_speeds
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
@@ -178,7 +178,7 @@ def test_unlike_sectors_are_refused() -> None:
 @pytest.mark.slow
 def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
     """The backward wave of 1F, slow in static axes there, hardly moves the shaft."""
-    stage = modal_stage(bw.with_values(stage_case(), {"casing.support": 1508.0}))
+    stage = modal_model(bw.with_values(stage_case(), {"casing.support": 1508.0}))
     result = campbell(stage, families=1, speeds=(0.0, 2.5))["normalised_speed"]
     met = result.values[[(row[0], row[2]) == ("1F", 1) for row in result["coincidence"].values]]
     for name, share in CASING_SHARES.items():
@@ -187,7 +187,7 @@ def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
         assert abs(modes.shaft) < 0.5 * abs(modes.rotor), name
     stiff = bw.with_values(stage_case(), {"casing.support": 7.975e6})
     with pytest.raises(bw.UserError, match="coincides with the casing wave at no speed"):
-        whirling_modes(modal_stage(stiff), casing_share=0.5)
+        whirling_modes(modal_model(stiff), casing_share=0.5)
 
 
 RPM = 30.0 / np.pi
@@ -203,8 +203,8 @@ FEW = bw.case_from(
 
 def test_a_disk_on_soft_springs_is_critical_at_its_frequency_at_rest() -> None:
     soft = 1e3  # N/m
-    stage = modal_stage(bw.with_values(FEW, {"shaft.stiffness": soft}))
-    (pair,) = {float(f) for f in stage.free_modes.frequency[:2].round(9)}
+    stage = modal_model(bw.with_values(FEW, {"shaft.stiffness": soft}))
+    (pair,) = {float(f) for f in stage.disks["free"].labelled.frequency[:2].round(9)}
     speeds = critical_speeds(stage, stiffnesses=np.array([soft, 4.0 * soft]))
     lowest = speeds["critical_speed"].isel(branch=0)
     np.testing.assert_allclose(lowest.isel(stiffness=0), pair * RPM, rtol=1e-4)
@@ -215,8 +215,8 @@ def test_a_disk_on_soft_springs_is_critical_at_its_frequency_at_rest() -> None:
 @pytest.mark.parametrize("stiffness", [1e6, 1e8])
 def test_the_shaft_whirls_at_the_speed_of_rotation(stiffness: float) -> None:
     speeds = critical_speeds(FEW, stiffnesses=np.array([stiffness]))["critical_speed"]
-    own = modal_stage(bw.with_values(FEW, {"shaft.stiffness": stiffness}))
-    block = own.turning.structure.wave(1)
+    own = modal_model(bw.with_values(FEW, {"shaft.stiffness": stiffness}))
+    block = own.waves[1]
     for direction, order in ORDERS.items():
         for rpm in speeds.sel(direction=direction).values.ravel():
             nearest = np.abs(block.frequencies(rpm / RPM) - order * rpm / RPM).min()
@@ -265,7 +265,7 @@ def rigid_rotor(stiffness: float, stiffness_y: float, effects: str = "full") -> 
 def test_unequal_bearings_have_a_critical_speed_each() -> None:
     """The closed form sqrt(k / m) for x and for y; the mean stiffness gives neither."""
     case = rigid_rotor(2e6, 7e6)
-    mass = modal_stage(case).disk.model.mass
+    mass = modal_model(case).beams.model.mass
     expected = np.sqrt(np.array([2e6, 7e6]) / mass) * 30.0 / np.pi
     result = critical_speeds(case, stiffnesses=np.array([2e6, 4e6]))
     np.testing.assert_array_equal(result["direction"], ["elliptic"])

@@ -13,8 +13,8 @@ from command_line import answer
 from rod_blade import blade, tables
 
 import bladewhirl as bw
-from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.postprocess.modal.campbell import drawn_part
 from bladewhirl.solvers.stability.growth import eigenvalues
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
@@ -34,7 +34,7 @@ def case(**changes: float) -> bw.Case:
 
 @cache
 def studies() -> dict[str, xr.Dataset]:
-    stage = modal_stage(case())
+    stage = modal_model(case())
     return {
         "modes": bw.modes(stage),
         "campbell": bw.campbell(stage),
@@ -51,7 +51,7 @@ def test_modes_are_selected_by_their_coordinates() -> None:
     assert free.sel(family="1F", nodal_diameter=0)["pattern"].values.tolist() == ["single"]
     np.testing.assert_array_equal(np.diff(free.number), 1)
     assert (np.diff(free.frequency) >= 0.0).all()
-    stage = modal_stage(case())
+    stage = modal_model(case())
     np.testing.assert_array_equal(
         modes.sel(body="casing").frequency, stage.casing_modes.frequency / (2 * np.pi)
     )
@@ -150,7 +150,7 @@ def test_branches_over_the_shaft_have_the_family_of_their_frequency_in_hertz() -
 def test_branches_of_coupled_modes_are_named_by_their_sense_in_space() -> None:
     """A wave of the rotor at w turns forward at w + k Omega: in axes at half the speed of the rotor
     relative to it, at w + k Omega / 2, and backward at w - k Omega / 2."""
-    system = couple(modal_stage(case()), modes="six", damped=False, with_pi=True, physical=False)
+    system = couple(modal_model(case()), modes="six", damped=False, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
     omega = 0.5 * system.reference
     spectrum = eigenvalues(system.modes, speed=omega, kappa=0.0)

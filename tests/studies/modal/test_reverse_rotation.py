@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 import bladewhirl as bw
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.modal_model import ModalModel
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.postprocess.fields.kinematics import tip_rows
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes
@@ -17,8 +18,8 @@ from bladewhirl.studies.modal.veering import veering
 
 
 @cache
-def stage(effects: Effects, speed: float) -> ModalStage:
-    return modal_stage(
+def stage(effects: Effects, speed: float) -> ModalModel:
+    return modal_model(
         bw.case_from(
             {
                 "bladed_disk": {"blades": 8, "elements_per_blade": 4},
@@ -79,13 +80,13 @@ def test_films_of_waves_turn_with_the_rotation_or_against_it(
         assert np.sign(turns(motion, body)) == sense
 
 
-def pair(given: ModalStage, body: str, wave: Wave) -> np.ndarray:
+def pair(given: ModalModel, body: str, wave: Wave) -> np.ndarray:
     if body == "casing":
         return np.flatnonzero(given.casing_modes.nodal_diameter == 1)[:2]
-    if given.disk_whirl is None:
+    if given.effects != "full":
         return np.flatnonzero(given.disk_modes.nodal_diameter == 1)[:2]
-    rotating, _ = given.disk_whirl.named_directions(given.speed)
-    k = given.disk_whirl.nodal_diameter
+    rotating, _ = given.listed_modes.named_directions(given.speed)
+    k = given.listed_modes.nodal_diameter
     return np.flatnonzero((k == 1) & (np.array(rotating) == wave))[:1]
 
 

@@ -13,9 +13,10 @@ from stages import bladed_disk, oracle
 import bladewhirl as bw
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.rotation.internal_growth import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.solvers.stability.floquet import coupled_floquet, floquet
 from bladewhirl.solvers.stability.growth import (
@@ -36,7 +37,7 @@ def coupled(
     example: str, modes: str = "six", effects: Effects = "full", *, damped: bool = False
 ) -> EvenSystem:
     case = bw.read_case(EXAMPLES / f"{example}.toml", [f"rotation.effects={effects}"])
-    system = couple(modal_stage(case), modes=modes, damped=damped, with_pi=True, physical=False)
+    system = couple(modal_model(case), modes=modes, damped=damped, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
     return system
 
@@ -206,8 +207,8 @@ SPEEDS, KAPPAS = np.linspace(0.9, 1.4, 5), np.linspace(0.0, 1000.0, 3)
 
 
 @cache
-def fan_stage() -> ModalStage:
-    return modal_stage(bw.read_case(EXAMPLES / "fan_stage.toml"))
+def fan_stage() -> ModalModel:
+    return modal_model(bw.read_case(EXAMPLES / "fan_stage.toml"))
 
 
 def test_a_point_holds_growth_eigenvalues_mode_and_scenario(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
 from bladewhirl.models.stage.build_matrices import build_matrices
-from bladewhirl.models.stage.modal_superelement import modal_superelement
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.models.structure.eigenproblems import gyroscopic_frequencies
 from bladewhirl.models.superelements import nodal_blocks
 from bladewhirl.models.superelements.cyclic import transformation
@@ -70,7 +70,7 @@ def test_as_many_modes_are_listed_as_are_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A pair is one row; the first trial has too few modes of each nodal diameter."""
-    monkeypatch.setattr("bladewhirl.models.stage.modal_superelement.FEWEST", 1)
+    monkeypatch.setattr("bladewhirl.models.stage.matrix_disk.FEWEST", 1)
     case = exported(beams("sector"), "sector", tmp_path)
     every, some = bw.modes(case, count=60), bw.modes(case, count=18)
     assert some.sizes["mode"] < every.sizes["mode"]
@@ -94,8 +94,8 @@ def test_waves_with_coriolis_forces_need_few_modes(effects: str, tmp_path: Path)
             "march": {"speed": f"{speed} rad/s"},
         }
     )
-    model = modal_superelement(case, count=3)
-    block, tie = model.blocks[k], transformation(part, SECTORS, k)
+    model = modal_model(case, count=3)
+    block, tie = model.waves[k], transformation(part, SECTORS, k)
     assert block.size < 60  # 109 modes at each of three speeds before
     turned = part if effects == "none" else part.at(speed, "full")
     names = ("mass", "stiffness", "gyroscopic")
@@ -277,9 +277,9 @@ def test_a_large_wheel_is_reduced_to_modes_that_suit_all_shaft_springs(
     wheel, springs = exported(case, "wheel", tmp_path), np.geomspace(1e5, 1e9, 5)
     exact = bw.critical_speeds(wheel, stiffnesses=springs, branches=1)
     monkeypatch.setattr(nodal_blocks, "ALL", 10)
-    monkeypatch.setattr("bladewhirl.models.stage.modal_superelement.COUPLED", 0)
-    modal = modal_superelement(wheel, families=4)
-    assert modal.blocks[1].size < 10
+    monkeypatch.setattr("bladewhirl.models.stage.matrix_disk.COUPLED", 0)
+    modal = modal_model(wheel, families=4)
+    assert modal.waves[1].size < 10
     reduced = bw.critical_speeds(modal, stiffnesses=springs, branches=1)
     forward = [each.critical_speed.sel(direction="forward").values for each in (exact, reduced)]
     assert forward[1] == pytest.approx(forward[0], rel=0.02)

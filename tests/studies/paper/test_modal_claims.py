@@ -7,7 +7,7 @@ import pytest
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.studies.modal.scenarios import whirling_modes
 from bladewhirl.studies.paper.modal_numbers import modal_measures
 
@@ -15,7 +15,7 @@ from bladewhirl.studies.paper.modal_numbers import modal_measures
 @cache
 def measures() -> dict[str, Any]:
     case = Case()
-    return modal_measures(case, modal_stage(case))
+    return modal_measures(case, modal_model(case))
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_claims_on_uncoupled_modes() -> None:
 def test_5_with_one_section_for_every_beam() -> None:
     """Known from an independent reduction, in per cent."""
     case = with_values(Case(), {"bladed_disk.disk.thickness": 0.01})
-    table_1 = modal_measures(case, modal_stage(case))
+    table_1 = modal_measures(case, modal_model(case))
     expected = {"1F": 0.0002, "suspension": 0.016, "2F": 0.022, "3F": 0.10, "4F": 0.26, "5F": 1.01}
     for family, value in expected.items():
         assert table_1["errors"][family] == pytest.approx(value, rel=0.1), family
@@ -62,7 +62,7 @@ def test_5_with_one_section_for_every_beam() -> None:
 
 @pytest.mark.parametrize("share", [0.0, 0.6, 1.7])
 def test_modes_in_step_just_close_the_clearance(share: float) -> None:
-    modes = whirling_modes(modal_stage(Case()), casing_share=share)
+    modes = whirling_modes(modal_model(Case()), casing_share=share)
     assert abs(modes.rotor - modes.casing) == pytest.approx(1e-3)
     assert modes.casing == pytest.approx(share * modes.rotor)
     assert modes.speed == pytest.approx(1.055 * modes.frequency, rel=1e-4)

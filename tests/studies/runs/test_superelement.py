@@ -216,9 +216,9 @@ def test_engine_order_forces_give_the_steady_answer_of_the_modes(file: Path) -> 
         ("plot RUN orbit", "figure 'orbit': expected a result with centre_shape"),
         ("plot RUN casing", "figure 'casing': expected a result with casing_displacement"),
         ("render RUN --orbit", "expected a result with centre_shape"),
-        ("veering RUN/case.toml", "this blade has no centre that can be free or clamped"),
+        ("veering RUN/case.toml", "this bladed disk has no centre that can be free or clamped"),
         ("stability RUN/case.toml", "join the wall to one tip of each blade"),
-        ("critical-speeds RUN/case.toml", "this blade has no centre that whirls"),
+        ("critical-speeds RUN/case.toml", "this bladed disk has no centre that whirls"),
     ],
 )
 def test_commands_for_beams_refuse_a_superelement(run: Run, command: str, expected: str) -> None:
