@@ -55,9 +55,11 @@ def part_template(
         effects = "centrifugal" if part.gyroscopic is None else "full"
         about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
     file_line = f"file = {toml_value(file)}"
-    copies, of = 1, "blades at equal angles, clamped at their roots"
+    copies, of = part.sectors or 1, "blades at equal angles, clamped at their roots"
     if part.left_dofs is not None:
         copies, of = part.sectors or 2, "sectors of the wheel, as in the file"
+    elif part.sectors:
+        of = "blades of the wheel, as in the file"
     elif part.centre_dofs is not None or _goes_round(part):
         of = "blades of the wheel; 1 does not distinguish them"
         file_line += '\nkind = "wheel"'

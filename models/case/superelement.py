@@ -32,14 +32,15 @@ class SuperelementTable(Table):
     file: Annotated[str, fields.file_path('the path of a file such as "blade.npz"')]
     """Path of a .npz or .mat file, relative to the case file."""
     copies: Annotated[int, fields.count(1)] = 1
-    """Number of blades or sectors; by default the number of sectors in the file, if it has one.
+    """Number of blades or sectors; by default the number in the file, if it has one.
     kind = "blade": blades at equal angles; "sector": sectors of the wheel; "wheel": blades of the
     wheel, whose contact nodes are listed blade by blade, or 1 if its blades are not to be
     distinguished."""
     kind: Literal["blade", "sector", "wheel"] = "blade"
     """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
     "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
-    centre_dofs. By default "sector" for a file with left_dofs, "wheel" for one with centre_dofs."""
+    centre_dofs. By default "sector" for a file with left_dofs, "wheel" for one with centre_dofs or
+    with a number of blades."""
     angle: fields.Angle = 0.0
     """Angle by which the structure in the file is turned about the axis [rad]."""
 
@@ -74,11 +75,11 @@ class SuperelementTable(Table):
             part = _cached(file, *stamp_of(file))
         except SuperelementError:
             return given
-        own: dict[str, Any] = {}
+        own: dict[str, Any] = {"copies": part.sectors} if part.sectors else {}
         if part.left_dofs is not None:
-            own = {"kind": "sector"} | ({"copies": part.sectors} if part.sectors else {})
-        elif part.centre_dofs is not None:
-            own = {"kind": "wheel"}
+            own["kind"] = "sector"
+        elif part.centre_dofs is not None or part.sectors:
+            own["kind"] = "wheel"
         return own | dict(given)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:

@@ -33,6 +33,7 @@ from bladewhirl.models.solids.rigid import free_bodies, free_displacements
 from bladewhirl.models.solids.sectors import find_sector
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
+from bladewhirl.models.solids.wheels import blade_by_blade, goes_round
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.superelement import Superelement
 
@@ -111,15 +112,17 @@ def mesh3d(
         contact: group of the contact nodes, a condition as for `clamped`, or "outermost": those
             within 1 % of the extent in radius of the largest radius. Nodes of a sector that are
             also nodes of the next sector are left out.
-        contacts: number of contact nodes, evenly spaced along the chord of the group and in the
-            middle of its thickness; all nodes of the group by default.
+        contacts: number of contact nodes, of each blade with `copies`, evenly spaced along the
+            chord of the group and in the middle of its thickness; all nodes of the group by
+            default.
         blade: group, or a condition as for `clamped`, of the nodes of the blade of a sector, or of
             the blades of a wheel. Elements all of whose nodes belong to it are those whose Young's
             modulus the mistuning of a case changes (`blade_stiffness`).
         left, right: groups, or conditions as for `clamped`, of the clockwise and of the
             counter-clockwise face of a sector; their nodes match after a rotation by one pitch.
             Both or none are given; with `copies` alone, faces that match are found.
-        copies: number of sectors in the wheel; required with left and right.
+        copies: number of sectors in the wheel; required with left and right. Number of blades of a
+            wheel in one piece, whose contact nodes are then listed blade by blade.
         length_unit: unit of length of the mesh, such as "mm".
         mass_unit: unit of mass of the materials of an .inp file, such as "t" for N, mm and s;
             required if the unit of length is not m.
@@ -173,13 +176,19 @@ def mesh3d(
     fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped, axis)
     group = group_nodes(volumes, "contact", contact, axis)
     faces: dict[str, IntArray] = {}
-    first = second = fixed[:0]
+    first, second, blades = fixed[:0], fixed[:0], None
     if copies is not None and left is None and right is None:
         sides = sector_faces("", "", copies)
-        if (sector := find_sector(volumes, copies)) is None:
+        if (sector := find_sector(volumes, copies)) is not None:
+            first, second = sector.left, sector.right
+        elif goes_round(volumes.points):
+            sides, blades = None, blade_by_blade(volumes.points, group, copies)
+            if blades is None:
+                expected = f"a number of blades: after 1/{copies} of a turn about {axis} contact"
+                raise invalid("copies", copies, f"{expected} nodes do not lie on others")
+        else:
             expected = f"left and right: no cut faces match after 1/{copies} of a turn about {axis}"
             raise invalid("copies", copies, expected)
-        first, second = sector.left, sector.right
     elif (sides := sector_faces(left, right, copies)) is not None:
         first = group_nodes(volumes, "left", sides[0], axis)
         second = group_nodes(volumes, "right", sides[1], axis)
@@ -190,7 +199,11 @@ def mesh3d(
             warnings.warn(note.removeprefix(", "), Hint, stacklevel=2)
         notes += note
         faces = free_faces(first, second, fixed)
-    touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
+    if blades is None:
+        touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
+    else:
+        own = contact_nodes(volumes.points, blades[0], contacts, np.intersect1d(fixed, group))
+        touching = blades[:, (own[:, None] == blades[0]).argmax(axis=1)].ravel()
     if loose := len(np.setdiff1d(volumes.groups.get(volumes.held, fixed[:0]), fixed)):
         text = f"{loose} nodes that {volumes.held} of {volumes.name} holds are not clamped"
         warnings.warn(f"{text}: clamped = {volumes.held!r} holds them", Hint, stacklevel=2)

@@ -14,6 +14,7 @@ from bladewhirl.models.solids.groups import AXES
 from bladewhirl.models.solids.materials import SYMBOLS, of_file, unit_scale
 from bladewhirl.models.solids.positions import OUTERMOST, SHARE, nodes_where
 from bladewhirl.models.solids.sectors import Sector, find_sector, largest_gap
+from bladewhirl.models.solids.wheels import equal_blades, goes_round
 from bladewhirl.models.superelements.superelement import RADII
 
 ROOTS, TIPS = ("root", "hub", "bore", "clamp", "fix"), ("tip", "contact", "shroud")
@@ -32,9 +33,6 @@ ROUND = 1e-5
 
 EQUAL = 0.05
 """Second moments of a wheel about two axes differ by less than this fraction."""
-
-GAP = np.radians(45.0)
-"""Angle about the axis within which a wheel in one piece has nodes [rad]."""
 
 FEW = 5  #: number of contact nodes along the chord of a tip
 
@@ -68,12 +66,17 @@ def proposed(mesh: VolumeMesh) -> Proposal:
     named = _named(surfaces, TIPS)
     options["contact"] = named or (UNKNOWN if axis == UNKNOWN else OUTERMOST)
     touching = mesh.groups[named] if named else nodes_where(OUTERMOST, placed.points, "z")
-    if touching is not None and len(touching) > FEW and not wheel and axis != UNKNOWN:
+    assert touching is not None
+    blades = equal_blades(placed.points, touching) if wheel else 1
+    if len(touching) // blades > FEW and (blades > 1 or not wheel) and axis != UNKNOWN:
         options["contacts"] = str(FEW)
     if (sector is not None or wheel) and (blade := _named(mesh.cell_groups, BLADES)):
         options["blade"] = blade
     if sector is not None:
         options |= _faces(mesh, sector)
+    elif blades > 1:
+        options["copies"] = str(blades)
+        notes.append(f"copies: the mesh repeats after 1/{blades} of a turn")
     options |= {} if unit == "m" else {"length_unit": unit}
     if any(section.properties for section in mesh.sections) and (unit, mass_unit) != UNITS[0]:
         options["mass_unit"] = mass_unit
@@ -96,7 +99,7 @@ def _axis(mesh: VolumeMesh, notes: list[str]) -> tuple[str, Sector | None, bool]
             + " and meet on it: the nodes there have to be clamped" * sector.on_axis
         )
         return axis, sector, False
-    wheels = [axis for axis, one in placed.items() if _goes_round(one)]
+    wheels = [axis for axis, one in placed.items() if _is_wheel(one)]
     if len(wheels) == 1:
         notes.append(f"axis: the mesh is a whole wheel about {wheels[0]}")
         return wheels[0], None, True
@@ -108,14 +111,14 @@ def _axis(mesh: VolumeMesh, notes: list[str]) -> tuple[str, Sector | None, bool]
     return UNKNOWN, None, False
 
 
-def _goes_round(mesh: VolumeMesh) -> bool:
+def _is_wheel(mesh: VolumeMesh) -> bool:
     """Return whether the nodes are spread evenly about z."""
     x, y, _ = mesh.points.T
     radius = float(np.hypot(x, y).max())
     across = np.cov(x, y)
     unequal = max(abs(across[0, 0] - across[1, 1]), abs(across[0, 1])) / np.trace(across)
     centred = np.hypot(x.mean(), y.mean()) < EQUAL * radius
-    return bool(centred and unequal < EQUAL and largest_gap(mesh.points) < GAP)
+    return bool(centred and unequal < EQUAL and goes_round(mesh.points))
 
 
 def _is_round(mesh: VolumeMesh) -> bool:
@@ -188,10 +191,12 @@ def _clamped(
         notes.append("clamped: no group or constraint of the file tells it")
         return UNKNOWN
     radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
-    limit = f"r < {radius.min() + SHARE * np.ptp(radius):.5g} {unit}"
+    limit = float(radius.min() + SHARE * np.ptp(radius))
     place = "bore" if turned else "root"
     notes.append(f"clamped: the nodes at the smallest radius, probably the {place}")
-    return limit
+    inside = np.flatnonzero(radius < limit)
+    alike = [name for name, nodes in surfaces.items() if np.array_equal(np.unique(nodes), inside)]
+    return alike[0] if alike else f"r < {limit:.5g} {unit}"
 
 
 def _faces(mesh: VolumeMesh, sector: Sector) -> dict[str, str]:

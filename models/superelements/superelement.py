@@ -94,7 +94,8 @@ class Superelement(Rotating[Matrix]):
     """Numbers of the x, y and z displacements of the matching nodes on the counter-clockwise face,
     which is the clockwise face turned by one pitch, (l, 3)."""
     sectors: int | None = None
-    """Number of sectors of the wheel, if it is known; with left_dofs."""
+    """Number of sectors of the wheel with left_dofs, or of blades of a wheel in one piece, if it is
+    known."""
     name: str = "superelement"  #: name, free text
     source: str = ""  #: origin of the matrices, free text
     command: str = ""  #: command that made the file

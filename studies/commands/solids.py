@@ -87,11 +87,12 @@ def mesh3d(
         density: Density, such as "7.8 g/cm3", in the same way.
         clamped: Group of the nodes to hold, or condition; "none" for a free part.
         contact: Group of the contact nodes, condition, or outermost.
-        contacts: Number of contact nodes, spread along the chord of --contact.
+        contacts: Number of contact nodes, spread along the chord of --contact; of each blade with
+            --copies.
         blade: Group of the blade of a sector, whose stiffness mistuning changes.
         left: Group of the clockwise face of a sector; with --copies alone faces are found.
         right: Group of the counter-clockwise face of a sector.
-        copies: Number of sectors of the wheel.
+        copies: Number of sectors of the wheel, or of blades of a wheel in one piece.
         length_unit: Unit of length of the mesh.
         mass_unit: Unit of mass of the materials in the file, such as t for N, mm and s.
         axis: Axis of rotation of the mesh: x, y or z.
@@ -181,6 +182,8 @@ def _facts(part: Superelement) -> dict[str, str]:
     shown |= {"radius": radius, "along the axis z": axial}
     if part.left_dofs is not None:
         shown["sectors"] = f"{part.sectors}, with {len(part.left_dofs)} free nodes on each cut face"
+    elif part.sectors:
+        shown["blades"] = f"{part.sectors}, with {part.contacts // part.sectors} contact nodes each"
     return shown
 
 

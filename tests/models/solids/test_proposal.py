@@ -20,6 +20,7 @@ from solid_meshes import (
 
 import bladewhirl as bw
 from bladewhirl.meshes.files.volumes import read_volume_mesh
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.solids.sectors import find_sector
 
 MATERIAL = """*ELSET, ELSET=HUB
@@ -164,9 +165,49 @@ def test_a_wheel_in_one_piece_becomes_a_case(
     printed = answer("mesh", "wheel.inp").stdout
     [line] = [one for one in printed.splitlines() if " mesh3d " in one]
     assert "axis: the mesh is a whole wheel about y" in printed
-    assert line.endswith("--clamped 'r < 0.051 m' --contact outermost --axis y -o wheel.npz")
+    chosen = f"--clamped 'r < 0.051 m' --contact outermost --copies {SECTORS} --axis y"
+    assert line.endswith(f"{chosen} -o wheel.npz")
     answer(*shlex.split(line)[1:])
     answer("new", "wheel.toml", "--from", "wheel.npz")
     table = bw.read_case("wheel.toml").bladed_disk.superelement
     assert table is not None
-    assert (table.kind, table.copies) == ("wheel", 1)
+    assert (table.kind, table.copies) == ("wheel", SECTORS)
+
+
+def test_a_wheel_in_one_piece_has_the_modes_of_its_sector(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    sector = bladed_sector("hexahedron20")
+    # Nodes in another order, so that those of a blade do not follow each other.
+    whole, number = wheel(sector), np.random.default_rng(1).permutation(SECTORS * len(sector.points))
+    points = np.empty_like(whole.points)
+    points[number] = whole.points
+    (block,) = whole.cells
+    mixed = meshio.Mesh(points, [(block.type, number[block.data])])
+    with pytest.warns(Hint, match="nodes merged"):
+        part = bw.mesh3d(
+            *(mixed,), **STEEL, clamped="r < 0.051", contact="outermost", contacts=3, copies=SECTORS
+        )
+    assert part.contacts == 3 * SECTORS
+    angle = part.contact_angle.reshape(SECTORS, 3)
+    pitch = 2.0 * np.pi / SECTORS
+    assert np.ptp(np.unwrap(angle, period=2.0 * np.pi), axis=1).max() < pitch
+    assert np.diff(angle, axis=0) % (2.0 * np.pi) == pytest.approx(pitch)
+    bw.write_superelement("wheel.npz", part)
+    answer("new", "wheel.toml", "--from", "wheel.npz")
+    Path("still.toml").write_text(Path("wheel.toml").read_text().replace("centrifugal", "none"))
+    listed = bw.modes(bw.read_case("still.toml"), count=6)
+    direct = bw.mesh3d(sector, **STEEL, left="left", right="right", copies=SECTORS)
+    expected = wheel_frequencies(direct, SECTORS, 1)[:, 0]
+    for k, frequency in enumerate(expected[:2]):
+        own = listed.frequency.sel(family="1F", nodal_diameter=k).values
+        assert own == pytest.approx(frequency, rel=1e-3)
+
+
+def test_blades_that_do_not_repeat_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(bw.CaseError, match="copies = 5.*contact nodes do not lie on others"):
+        bw.mesh3d(
+            *(wheel(bladed_sector("tetra")),), **STEEL,
+            clamped="r < 0.051", contact="outermost", copies=5,
+        )  # fmt: skip

@@ -1,0 +1,70 @@
+"""Wheels in one piece: how often a mesh repeats in a turn, and its contact nodes blade by blade."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from bladewhirl.meshes.coincident import COINCIDENT
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.solids.sectors import largest_gap
+
+GAP = np.radians(45.0)
+"""Angle about the axis within which a wheel in one piece has nodes [rad]."""
+
+
+def goes_round(points: FloatArray) -> bool:
+    """Return whether points, (n, 3), are all around the axis z."""
+    return largest_gap(points) < GAP
+
+
+def equal_blades(points: FloatArray, contact: IntArray) -> int:
+    """Return the largest number of equal parts of a turn about z by each of which contact nodes and
+    all nodes of a wheel come to lie on such nodes.
+
+    Args:
+        points: positions of all nodes [m], (n, 3).
+        contact: contact nodes of the wheel, (m,).
+    """
+    for number in range(len(contact), 1, -1):
+        if len(contact) % number == 0 and all(
+            _ahead(points, one, number) is not None for one in (contact, np.arange(len(points)))
+        ):
+            return number
+    return 1
+
+
+def blade_by_blade(points: FloatArray, contact: IntArray, blades: int) -> IntArray | None:
+    """Return the contact nodes of each blade, counter-clockwise and in the same order on all
+    blades, (blades, nodes); None if they do not repeat.
+
+    Blades begin in the middle of the largest angle between contact nodes; the first has nodes at
+    the angle 0 or follows it.
+
+    Args:
+        points: positions of all nodes [m], (n, 3).
+        contact: contact nodes of all blades, (m,).
+        blades: number of blades.
+    """
+    pitch = 2.0 * np.pi / blades
+    angle = np.arctan2(points[contact, 1], points[contact, 0])
+    within = np.sort(angle % pitch)
+    gaps = np.diff(within, append=within[0] + pitch)
+    start = within[gaps.argmax()] + gaps.max() / 2.0 - pitch
+    nodes = [contact[(angle - start) % (2.0 * np.pi) < pitch]]
+    for _ in range(1, blades):
+        ahead = _ahead(points, contact, blades, nodes[-1])
+        if ahead is None:
+            return None
+        nodes.append(ahead)
+    found = np.array(nodes)
+    return found if len(np.unique(found)) == len(contact) else None
+
+
+def _ahead(
+    points: FloatArray, among: IntArray, number: int, nodes: IntArray | None = None
+) -> IntArray | None:
+    """Return which nodes among some are where nodes, by default the same, come to lie by a part of
+    a turn; None if there are none."""
+    turned = rotate(points[among if nodes is None else nodes], 2.0 * np.pi / number)
+    distance, found = cKDTree(points[among]).query(turned)
+    return among[found] if distance.max() <= COINCIDENT * abs(points).max() else None
