@@ -97,7 +97,7 @@ def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:
     value = 0.5 * MILLI * (ribbon.values[:, :-1, 0] + ribbon.values[:, 1:, 0])
     quads = PolyCollection(
         [*corners.reshape(-1, 4, 2)],
-        cmap=style.SEQUENTIAL,
+        cmap=style.COLOUR_MAPS["magnitude"],
         norm=norm,
         linewidth=0.3,
         edgecolor="face",

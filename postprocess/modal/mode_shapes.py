@@ -19,9 +19,9 @@ from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.modal.surface_shapes import DRAWN, SurfaceShape
 from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
     COLOURS,
     FULL_WIDTH,
-    SEQUENTIAL,
     new_figure,
     styled,
 )
@@ -109,10 +109,10 @@ class Outline:
         factor = DRAWN * self.radius / largest
         axes.add_collection(LineCollection([*self.rest], color=COLOURS["rest"], linewidth=0.4))
         points = self.moved(coordinates, factor)
-        pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
-        lines = LineCollection(
-            [*pieces.reshape(-1, 2, 2)], cmap=SEQUENTIAL, norm=Normalize(0.0, 1.0), linewidth=0.8
-        )
+        pieces = [*np.stack([points[:, :-1], points[:, 1:]], axis=-2).reshape(-1, 2, 2)]
+        axes.add_collection(LineCollection(pieces, color=COLOURS["total"], linewidth=1.4))
+        colours: Any = {"cmap": COLOUR_MAPS["magnitude"], "norm": Normalize(0.0, 1.0)}
+        lines = LineCollection(pieces, linewidth=0.9, **colours)
         lines.set_array((self.size(coordinates) / largest).ravel())
         axes.add_collection(lines)
         axes.plot(

@@ -26,8 +26,6 @@ from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
 
-#: colour map of growth rates; slower growth is lighter, and white means no growth
-GROWTH_COLOURS = "cividis_r"
 MARK: Mapping[str, Any] = {
     "linestyle": "none",
     "marker": "^",
@@ -63,7 +61,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     unstable = is_unstable(growth, speed * data.attrs["reference_frequency"])
     shown = np.ma.masked_array(growth, ~unstable)
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
-    mesh = panels.draw_map(axes, speed, kappa, shown, norm=colours, cmap=GROWTH_COLOURS)
+    mesh = panels.draw_map(axes, speed, kappa, shown, norm=colours)
     if unstable.any():
         figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
     else:

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-import matplotlib
 import numpy as np
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -11,7 +11,7 @@ from bladewhirl.meshes.coincident import places_of
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, unit
 from bladewhirl.postprocess.fields.points import Points
-from bladewhirl.postprocess.plotting.style import LIT
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
 
 MOST = 20_000
 """Largest number of triangles of a picture; larger surfaces are drawn as points."""
@@ -55,7 +55,7 @@ class SurfaceShape:
 
     def draw(self, axes: Any, coordinates: FloatArray, motion: FloatArray) -> Any:
         """Draw the displaced surface, coloured by displacement, see `mode_shapes.Outline.draw`."""
-        colours, norm = matplotlib.colormaps[LIT], Normalize(0.0, 1.0)
+        colours, norm = COLOUR_MAPS["magnitude"], Normalize(0.0, 1.0)
         moved = (self._shape @ coordinates) / self.largest(motion)
         drawn = self.rest + self._drawn * moved
         if 0 < len(self._triangles) <= MOST:
@@ -76,7 +76,7 @@ class SurfaceShape:
         axes.set_box_aspect((1.0, 1.0, 1.0), zoom=ZOOM)
         axes.view_init(elev=ELEVATION, azim=AZIMUTH)
         axes.set_axis_off()
-        return matplotlib.cm.ScalarMappable(norm, colours)
+        return ScalarMappable(norm, colours)
 
     def describe(self, axes: Any, name: str, words: list[str]) -> None:
         """Write the name of a mode and further lines."""

@@ -56,8 +56,9 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
     ]
 
 
-LEVELS, LIT_LEVELS = 90, 56  #: colours of the colour map in a palette, without and with light
+LEVELS, LIT_LEVELS = 90, 38  #: colours of each colour map in a palette, without and with light
 SMOOTHED = (0.25, 0.5, 0.75)  #: shares of colours of letters in the smoothed edges of these
+NEARLY_WHITE = 0.97
 LIGHTS = (1.0, 0.84, 0.68)  #: brightnesses of lit surfaces in a palette
 
 
@@ -66,7 +67,9 @@ def scene_colours(colouring: Colouring, *, lit: bool) -> Array:
     the colour map at several brightnesses if surfaces are lit."""
     fixed = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
     levels, lights = (LIT_LEVELS, LIGHTS) if lit else (LEVELS, (1.0,))
-    field = np.array([to_rgb(colour) for colour in colouring.colours(levels)])
+    scales = (colouring.disk, colouring.wall)
+    field = np.array([to_rgb(colour) for scale in scales for colour in scale.shades(levels)])
+    field = field[field.min(axis=1) < NEARLY_WHITE]  # Pillow would take these for the background
     shades = [light * field for light in lights]
     written = np.array([to_rgb(colour) for colour in (INK, FAINT, FORCE_COLOUR)])
     edges = [1.0 - share * (1.0 - written) for share in SMOOTHED]

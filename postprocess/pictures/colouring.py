@@ -6,11 +6,10 @@ surface have the same value.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import cycle
-from typing import get_args
+from typing import NamedTuple, get_args
 
-import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.colors import Colormap, ListedColormap, to_hex
@@ -24,10 +23,9 @@ from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.points import Points, Recovered
 from bladewhirl.postprocess.fields.strains import casing_strain_rows
 from bladewhirl.postprocess.pictures.choices import Field
-from bladewhirl.postprocess.plotting.style import COLOURS, LIT, SEQUENTIAL
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS
 from bladewhirl.postprocess.run.wear import coating_of
 
-DIVERGING = "RdBu_r"  #: colour map of signed values, distinct for colour-blind readers
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )
@@ -35,54 +33,46 @@ PART_COLOURS = tuple(
 MAGNITUDES = ("displacement", "deformation", "velocity")  #: fields that are sizes of vectors
 
 
+class Scale(NamedTuple):
+    """Colour scale of the bladed disk or of the wall."""
+
+    unit: str  #: "" for parts
+    factor: float  #: from the SI unit to `unit`
+    limits: tuple[float, float]  #: ends of the scale in `unit`
+    colours: Colormap
+
+    def shades(self, levels: int) -> list[str]:
+        """Return `levels` colours of a field, or the colours of the parts, as #rrggbb."""
+        levels = min(levels, self.colours.N)
+        return [to_hex(shade) for shade in self.colours(np.linspace(0.0, 1.0, levels))]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Colouring:
-    """True values of a field in a picture; NaN where the field has no value."""
+    """True values of a field in a picture; NaN where the field has no value. Bladed disk and wall
+    have scales of their own, so that the larger values of one do not hide those of the other."""
 
-    name: str  #: label of the scale, without unit
-    unit: str  #: unit of the scale; "" for parts
-    scale: float  #: factor from the SI unit to `unit`
+    name: str  #: label of the scales, without unit
     points: Array  #: values of the points of the bladed disk (record, point, side)
     nodes: Array  #: values of the contact nodes (record, contact_node)
     casing: Array  #: values (record, station, side); the first station is not repeated at the end
-    lit: bool = False  #: true if the bladed disk is a lit surface
-    signed: bool = False  #: true if the scale contains negative values
+    disk: Scale  #: of points and contact nodes
+    wall: Scale  #: of the casing
     #: colours of parts by name; the values are then numbers of parts. None for a field
     parts: Mapping[str, str] | None = None
 
     @property
-    def bodies(self) -> tuple[Array, Array, Array]:
-        """Values of all bodies."""
-        return self.points, self.nodes, self.casing
+    def scales(self) -> dict[str, Scale]:
+        """Scales of a field that have values, by their labels."""
+        values = {"rotor": (self.points, self.nodes), "wall": (self.casing,)}
+        shown = [name for name, given in values.items() if any(np.isfinite(v).any() for v in given)]
+        scales = {"rotor": self.disk, "wall": self.wall}
+        return {f"{name} [{scales[name].unit}]": scales[name] for name in shown}
 
-    @property
-    def colour_map(self) -> Colormap:
-        """Colour map of a field, or the colours of the parts."""
-        if self.parts is not None:
-            return ListedColormap([*self.parts.values()])
-        if self.signed:
-            return matplotlib.colormaps[DIVERGING]
-        return matplotlib.colormaps[LIT if self.lit else SEQUENTIAL]
 
-    def colours(self, levels: int) -> list[str]:
-        """Return `levels` colours of the colour map, or the colours of the parts, as #rrggbb."""
-        if self.parts is not None:
-            return [*self.parts.values()]
-        return [to_hex(shade) for shade in self.colour_map(np.linspace(0.0, 1.0, levels))]
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Ends of the colour scale in `unit`."""
-        if self.parts is not None:
-            return (-0.5, len(self.parts) - 0.5)
-        end = scale_end(self.scale * self.largest)
-        return (-end if self.signed else 0.0, end)
-
-    @property
-    def largest(self) -> float:
-        """Largest magnitude of the values, in the SI unit."""
-        sizes = [np.abs(values[np.isfinite(values)]) for values in self.bodies]
-        return float(max(np.max(size, initial=0.0) for size in sizes))
+def _largest(*values: Array) -> float:
+    """Return the largest magnitude, in the SI unit."""
+    return max(float(np.max(np.abs(v[np.isfinite(v)]), initial=0.0)) for v in values)
 
 
 def colouring(
@@ -138,21 +128,25 @@ def colouring(
     casing = _casing(dataset, points, field, records, per_element, rotating)
     if not found.signed:
         casing = np.abs(casing)
-    made = Colouring(
-        name=found.name,
-        unit="",
-        scale=1.0,
-        points=np.broadcast_to(values, (*values.shape[:2], 2)),
+    values, normalised = np.broadcast_to(values, (*values.shape[:2], 2)), is_normalised(dataset)
+    largest = _largest(values, nodes), _largest(casing)
+
+    def scale(amount: float, colours: str) -> Scale:
+        unit, factor = ("m/s", 1.0) if field == "velocity" else handy_unit(amount, found.unit)
+        if normalised:
+            unit, factor = "\N{EN DASH}", 1.0 / (max(largest) or 1.0)
+        end, colours = scale_end(factor * amount), "signed" if found.signed else colours
+        limits = (-end if found.signed else 0.0, end)
+        return Scale(unit, factor, limits, COLOUR_MAPS[colours])
+
+    return Colouring(
+        name=f"{found.name} / largest one" if normalised else found.name,
+        points=values,
         nodes=nodes,
         casing=casing,
-        lit=not points.flat,
-        signed=found.signed,
+        disk=scale(largest[0], "magnitude"),
+        wall=scale(largest[1], "wall"),
     )
-    if is_normalised(dataset):
-        name, scale = f"{found.name} / largest one", 1.0 / (made.largest or 1.0)
-        return replace(made, name=name, unit="\N{EN DASH}", scale=scale)
-    unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(made.largest, found.unit)
-    return replace(made, unit=unit, scale=scale)
 
 
 def is_normalised(dataset: xr.Dataset) -> bool:
@@ -224,15 +218,17 @@ def _parts(dataset: xr.Dataset, points: Points, records: IntArray, per_element: 
     shown = dict(zip(points.parts, cycle(PART_COLOURS)))
     part = np.broadcast_to(points.part[:, None], (len(records), len(points.part), 2))
     stations = len(kinematics.wall_angles(dataset, per_element))
+    all_parts = shown | {"casing": COLOURS["casing"]}
+    colours = ListedColormap([*all_parts.values()])
+    scale = Scale("", 1.0, (-0.5, len(all_parts) - 0.5), colours)
     return Colouring(
         name="part",
-        unit="",
-        scale=1.0,
         points=part.astype(np.float64),
         nodes=np.full((len(records), dataset.sizes["contact_node"]), np.nan),
         casing=np.full((len(records), stations, 2), float(len(shown))),
-        lit=not points.flat,
-        parts=shown | {"casing": COLOURS["casing"]},
+        disk=scale,
+        wall=scale,
+        parts=all_parts,
     )
 
 

@@ -96,7 +96,7 @@ class Drawing:
         *,
         exaggeration: float | None = None,
         frame: Frame | None = None,
-        colour: Field = "displacement",
+        colour: Field = "deformation",
         view: View | None = None,
     ) -> None:
         if frame not in (None, "static", "rotating"):

@@ -21,6 +21,8 @@ from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
 #: upper and lower edge of the colour scale or of the key of colours, relative to the window
 SCALE_TOP, SCALE_FOOT = 0.455, 0.085
+SCALE_WIDTH, SCALE_ASIDE = 0.018, 0.115  #: width of a scale, and distance of two, likewise
+TICKS = 5
 ORBIT_SIZE = 0.17  #: size of the inset with the orbit, relative to the window
 LINE = (0.77, 0.98, 0.01, 0.036)  #: left, right, lower, upper edge of the time line, likewise
 LINE_TOP = 0.062  #: upper edge of its text
@@ -90,7 +92,7 @@ class Panel:
             write(scene.plotter, words, 0.075, 11, color=look.FORCE_COLOUR, indent=-0.205)
         top = SCALE_TOP if trail is None else TOPS["orbit"] - 0.06 - ORBIT_SIZE
         if drawing.colouring.parts is None:
-            write_scale(scene, top)
+            write_scales(scene, top)
         else:
             write_key(scene.plotter, drawing.colouring.parts, top)
 
@@ -252,25 +254,22 @@ def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
     write(plotter, title, TOPS["title"], 16)
 
 
-def write_scale(scene: StageScene, top: float) -> None:
-    """Draw the colour scale below `top`."""
-    plotter, colouring = scene.plotter, scene.drawing.colouring
-    write(plotter, f"{colouring.name} [{colouring.unit}]", top, 13)
-    bar = plotter.add_scalar_bar(
-        title="",
-        mapper=scene.colours,
-        vertical=True,
-        position_x=look.SQUARE + 0.02,
-        position_y=SCALE_FOOT,
-        width=0.05,
-        height=top - 0.045 - SCALE_FOOT,
-        n_labels=5,
-        fmt="%.3g",
-        color=look.INK,
-        label_font_size=round(14 * plotter.window_size[1] / 960),
-    )
-    bar.GetLabelTextProperty().SetFontFamily(4)  # VTK_FONT_FILE
-    bar.GetLabelTextProperty().SetFontFile(look.FONT)
+def write_scales(scene: StageScene, top: float) -> None:
+    """Draw the colour scales of blades and wall side by side below `top`."""
+    write(scene.plotter, scene.drawing.colouring.name, top, 13)
+    for number, (label, scale) in enumerate(scene.drawing.colouring.scales.items()):
+        aside = SCALE_ASIDE * number
+        write(scene.plotter, label, top - KEY_STEP, 11, indent=aside)
+        left, end = look.SQUARE + 0.02 + aside, top - 0.075
+        low, high = scene.place(left, SCALE_FOOT), scene.place(left + SCALE_WIDTH, end)
+        scene.bar(low, high, scale)
+        (west, south), (east, north) = low, high
+        edge = [[west, south], [east, south], [east, north], [west, north], [west, south]]
+        add_line(scene.plotter, np.array(edge), look.FAINT, 1.0)
+        for share in np.linspace(0.0, 1.0, TICKS):
+            first, last = scale.limits
+            tick, place = first + share * (last - first), SCALE_FOOT + share * (end - SCALE_FOOT)
+            write(scene.plotter, f"{tick:.3g}", place + 0.007, 11, indent=aside + 0.025)
 
 
 def write_key(

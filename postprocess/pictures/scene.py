@@ -3,7 +3,7 @@
 The graphical objects are created once; for another record their points and colours are changed.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyvista
@@ -11,11 +11,13 @@ import pyvista
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
+from bladewhirl.postprocess.pictures.colouring import Scale
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Surface, arrows, widened
 from bladewhirl.postprocess.pictures.solids import normals, sharp_edges, smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32
+BAR_STEPS = 65  #: number of stations of a colour scale
 FRONT = 1.5  #: layer before which the layers of ribbons lie, and after which all others lie
 DEPTH = 2.0  #: distance of these layers from the middle of surfaces, relative to the stage
 AMBIENT, DIFFUSE = 0.5, 0.54
@@ -51,24 +53,30 @@ class StageScene:
         self.metres_per_newton = look.metres_per_newton(drawing.largest_force, self.size)
         """Length of arrows."""
         first = drawing.picture(0)
+        disk, wall = drawing.colouring.disk, drawing.colouring.wall
         self._depth = DEPTH * self.size if len(first.surface.points) else 0.0
         self._bodies: list[Body] = []
         if len(first.surface.points):
-            bodies: list[tuple[Surface, IntArray, str | None]] = [
-                (first.surface, drawing.triangles, None)
+            bodies: list[tuple[Surface, IntArray, str | Scale]] = [
+                (first.surface, drawing.triangles, disk)
             ]
             for solid, placed in zip(drawing.solids, first.solids, strict=True):
-                bodies.append((placed, solid.triangles, solid.colour))
+                bodies.append((placed, solid.triangles, solid.colour or wall))
             self._bodies = [self._add_body(*body) for body in bodies]
         self._outlines, self._ribbons = [], []
-        for ribbon, flat in ((first.casing, not drawing.solids), (first.rotor, True)):
+        for ribbon, scale, flat in (
+            (first.casing, wall, not drawing.solids),
+            (first.rotor, disk, True),
+        ):
             lines, stations = ribbon.values.shape[:2]
             outline = _strip_quads(lines, stations, 1)
             self._outlines.append(
                 self._add(ribbon.values.size, outline, layer=0, color=look.INK, shown=flat)
             )
             halves = _strip_quads(lines, stations, 2)
-            self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1, shown=flat))
+            self._ribbons.append(
+                self._add(2 * ribbon.values.size, halves, layer=1, color=scale, shown=flat)
+            )
         # Strokes have light edges to be visible on parts of any colour.
         self._edges, self._strokes = (
             {
@@ -99,7 +107,7 @@ class StageScene:
         nodes = blades.size * bool(np.isfinite(drawing.colouring.nodes).any())
         self._nodes = [
             self._add(nodes * DISC_CORNERS, disc_triangles(nodes), layer=layer, color=colour)
-            for layer, colour in ((5.7, look.INK), (5.8, None))
+            for layer, colour in ((5.7, look.INK), (5.8, disk))
         ]
         self._discs = self._add(
             blades.size * DISC_CORNERS,
@@ -179,6 +187,15 @@ class StageScene:
             mesh = self._add(4 * len(strokes), quads, layer=2, color=colour)
             _move(mesh, stroke_corners(strokes, width * self.size))
 
+    def bar(self, low: Array, high: Array, scale: Scale) -> None:
+        """Add the colours of a scale between two corners (2,) [m], upward."""
+        share = np.linspace(0.0, 1.0, BAR_STEPS)
+        mesh = self._add(2 * BAR_STEPS, _strip_quads(1, BAR_STEPS, 1), layer=0, color=scale)
+        up = low[1] + (high[1] - low[1]) * share
+        _move(mesh, np.array([[[x, y] for x in (low[0], high[0])] for y in up]))
+        first, last = scale.limits
+        self._colour(mesh, np.repeat(first + (last - first) * share, 2) / scale.factor)
+
     def aim(self) -> None:
         """Set the view along the axis, with the stage in the left part of the window."""
         aside = self.place(0.5, 0.5)[0]
@@ -206,27 +223,26 @@ class StageScene:
         points: int,
         *faces: IntArray,
         layer: float | None,
-        color: str | None = None,
+        color: str | Scale,
         shown: bool = True,
     ) -> pyvista.PolyData:
         """Add a mesh of polygons without lighting in a layer, or a smooth lit surface if `layer` is
-        None; coloured by the field if `color` is None."""
+        None; with a colour, or coloured by the field on a scale."""
         space = np.zeros((points, 3))
         if layer is not None:
             space[:, 2] = 1e-3 * layer * self.size + np.copysign(self._depth, layer - FRONT)
         cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
         mesh = pyvista.PolyData(space, cells)
-        if color is None:
+        coloured: dict[str, Any] = {"color": color}
+        if isinstance(color, Scale):
             mesh.point_data["value"] = np.zeros(points)
+            coloured = {"scalars": "value", "cmap": color.colours}
+            coloured["clim"] = [end / color.factor for end in color.limits]
         if not (points and shown):
             return mesh
-        colouring = self.drawing.colouring
         actor = self.plotter.add_mesh(
             mesh,
-            color=color,
-            scalars=None if color else "value",
-            cmap=None if color else colouring.colour_map,
-            clim=colouring.limits,
+            **coloured,
             nan_color=look.NO_VALUE,
             interpolate_before_map=True,
             lighting=layer is None,
@@ -234,14 +250,12 @@ class StageScene:
             diffuse=DIFFUSE if layer is None else 1.0,
             show_scalar_bar=False,
         )
-        if color is None:
-            self.colours = actor.mapper
         if layer is None:
             mesh.point_data.active_normals = np.zeros((points, 3))
             actor.prop.interpolation = "Phong"
         return mesh
 
-    def _add_body(self, surface: Surface, triangles: IntArray, colour: str | None) -> Body:
+    def _add_body(self, surface: Surface, triangles: IntArray, colour: str | Scale) -> Body:
         """Add a lit surface of triangles, and its sharp edges as lines."""
         smooth, origin = smooth_parts(surface.points, triangles)
         mesh = self._add(len(origin), smooth, layer=None, color=colour)
@@ -258,8 +272,9 @@ class StageScene:
         actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -EDGE_OFFSET)
         return mesh
 
-    def _colour(self, mesh: pyvista.PolyData, values: Array) -> None:
-        mesh.point_data["value"][:] = self.drawing.colouring.scale * values.ravel()
+    @staticmethod
+    def _colour(mesh: pyvista.PolyData, values: Array) -> None:
+        mesh.point_data["value"][:] = values.ravel()
 
 
 def stroke_corners(strokes: Array, width: float) -> Array:

@@ -27,7 +27,7 @@ from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 
 FULL = 32767  #: largest signed number of 16 bits
-SHADES = 128
+SHADES = 112  #: colours of each scale; those of the wall and of solids follow those of the rotor
 BAR_SHARE = 0.15  #: longest scale bar, relative to the picture
 NONE = 255  #: shade of stations without a value
 
@@ -83,8 +83,11 @@ def render_page(
             ]
         ),
         key=colouring.parts and list(colouring.parts.items()),
-        scale=f"{colouring.name} [{colouring.unit}]",
-        ticks=[f"{tick:.3g}" for tick in np.linspace(*colouring.limits, 5)],
+        quantity=colouring.name,
+        scales=[
+            (label, scale.shades(9), [f"{tick:.3g}" for tick in np.linspace(*scale.limits, 5)])
+            for label, scale in ({} if colouring.parts else colouring.scales).items()
+        ],
         ink=look.INK,
         faint=look.FAINT,
         force=look.FORCE_COLOUR,
@@ -144,16 +147,19 @@ def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
     """Return the shades of rotor, casing, surface, solids and contact nodes; those of solids with a
     colour of their own follow the colours of the scale."""
     colouring = drawing.colouring
-    bodies = picture.rotor.values, _wall(picture).values, picture.surface.values
-    shades = [_shades(colouring, values.ravel()) for values in bodies]
-    following = len(colouring.colours(SHADES))
+    walls = _wall(picture).values
+    shades = [
+        _shades(colouring, values.ravel(), of_wall=values is walls)
+        for values in (picture.rotor.values, walls, picture.surface.values)
+    ]
+    following = len(_colours(colouring))
     for solid, placed in zip(drawing.solids, picture.solids, strict=True):
         if solid.colour is None:
-            shades.append(_shades(colouring, placed.values))
+            shades.append(_shades(colouring, placed.values, of_wall=True))
         else:
             shades.append(np.full(len(placed.points), following, dtype=np.uint8))
             following += 1
-    return np.concatenate([*shades, _shades(colouring, picture.tip_values)])
+    return np.concatenate([*shades, _shades(colouring, picture.tip_values, of_wall=False)])
 
 
 def _wall(picture: Picture) -> Ribbon:
@@ -194,15 +200,22 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
     }
 
 
-def _shades(colouring: Colouring, values: Array) -> Array:
-    """Return the number of the colour of each value; `NONE` for NaN."""
-    low, high = colouring.limits
+def _colours(colouring: Colouring) -> list[str]:
+    """Return the colours of rotor and wall; those of parts are the same for both."""
     if colouring.parts is not None:
-        low, high = 0.0, len(colouring.parts) - 1.0
-    last = len(colouring.colours(SHADES)) - 1
-    share = (colouring.scale * values - low) / (high - low)
+        return [*colouring.parts.values()]
+    return [*colouring.disk.shades(SHADES), *colouring.wall.shades(SHADES)]
+
+
+def _shades(colouring: Colouring, values: Array, *, of_wall: bool) -> Array:
+    """Return the number of the colour of each value; `NONE` for NaN."""
+    scale = colouring.wall if of_wall else colouring.disk
+    (low, high), last, first = scale.limits, SHADES - 1, SHADES * of_wall
+    if colouring.parts is not None:
+        low, high, last, first = 0.0, len(colouring.parts) - 1.0, len(colouring.parts) - 1, 0
+    share = (scale.factor * values - low) / (high - low)
     missing = ~np.isfinite(share)
-    shades = np.round(last * np.clip(np.where(missing, 0.0, share), 0.0, 1.0))
+    shades = first + np.round(last * np.clip(np.where(missing, 0.0, share), 0.0, 1.0))
     return np.where(missing, NONE, shades).astype(np.uint8)
 
 
@@ -247,9 +260,9 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
         "disc": look.CONTACT_DISC * unit,
         "nodeDisc": look.NODE_DISC * unit,
         "mass": MASS * unit,
-        "colours": colouring.colours(SHADES),
-        "limits": list(colouring.limits),
-        "unit": colouring.unit,
+        "colours": _colours(colouring),
+        "scales": [[*scale.limits, scale.unit] for scale in (colouring.disk, colouring.wall)],
+        "perScale": SHADES,
         "value": colouring.parts is None,
     }
 

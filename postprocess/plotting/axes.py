@@ -12,7 +12,7 @@ from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.style import SEQUENTIAL
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
 
 SPEED = "speed Ω / ω₁ [–]"
 FREQUENCY = "frequency / ω₁ [–]"
@@ -68,7 +68,9 @@ def draw_map(
         cell_edges(np.asarray(places), logarithmic=False) if np.size(places) == cells else places
         for places, cells in zip((x, y), np.shape(values)[::-1], strict=True)
     )
-    mesh = axes.pcolormesh(x, y, values, rasterized=True, **{"cmap": SEQUENTIAL, **look})
+    mesh = axes.pcolormesh(
+        x, y, values, rasterized=True, **{"cmap": COLOUR_MAPS["magnitude"], **look}
+    )
     if label:
         axes.figure.colorbar(mesh, ax=axes, label=label)
     return mesh
@@ -232,7 +234,7 @@ def coloured_line(
     points = np.column_stack([x, y])
     lines = LineCollection(
         [*np.stack([points[:-1], points[1:]], axis=1)],
-        cmap=SEQUENTIAL,
+        cmap=COLOUR_MAPS["line"],
         norm=Normalize(0.0, 1.0),
         linewidth=width,
         capstyle="round",

@@ -16,6 +16,7 @@ import xarray as xr
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from bladewhirl.files import replacing
@@ -47,9 +48,22 @@ figures."""
 #: colours of lines without a meaning of their own; orange is reserved for k = 1
 LINES = [COLOURS[name] for name in ("k = 0", "suspension", "contact", "total", "casing", "rest")]
 
-#: colour map of magnitudes; its lightness increases evenly, also for colour-blind readers
-LIT = "YlGnBu"  #: colour map of magnitudes on surfaces, light at 0 so that light and edges are seen
-SEQUENTIAL = "cividis"
+COLOUR_MAPS: Mapping[str, LinearSegmentedColormap] = {
+    name: LinearSegmentedColormap.from_list(name, colours)
+    for name, colours in {
+        "magnitude": ["#FFFFFF", "#D9F0C4", "#7FCDBB", "#41B6C4", "#1D91C0", "#225EA8", "#081D58"],
+        "line": ["#6CC3C0", "#1D91C0", "#225EA8", "#081D58"],
+        "wall": ["#FFFFFF", "#E0D8EC", "#B3A2D0", "#8465AF", "#54278F", "#260046"],
+        "contact": ["#FBEAF4", COLOURS["contact"], "#4A1238"],
+        "gap": ["#FFFFFF", "#9AA5B8"],
+        "signed": ["#053061", "#4393C3", "#FFFFFF", "#D6604D", "#67001F"],
+    }.items()
+}
+"""Colour maps of all figures, films and pages, distinct for colour-blind readers. Zero is white as
+paper and larger is darker: magnitudes, also those of the blades; magnitudes along lines, which have
+no white; those of the wall, among them wear; shares and forces of contact, where white is none;
+gaps, paler than contact; and signed values, white at the middle."""
+
 STYLE: Mapping[str, Any] = {
     "font.size": 7.5,
     "axes.titlesize": 7.5,
@@ -72,7 +86,6 @@ STYLE: Mapping[str, Any] = {
     "ytick.major.width": 0.6,
     "xtick.minor.width": 0.4,
     "ytick.minor.width": 0.4,
-    "image.cmap": SEQUENTIAL,
     "savefig.dpi": 300,
     "agg.path.chunksize": 10000,
     "pdf.fonttype": 42,  # TrueType: text in PDFs stays text

@@ -3,14 +3,19 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
+from matplotlib.colors import to_hex
 
-from bladewhirl.postprocess.plotting.style import SEQUENTIAL
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
 
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 INK, LINE = "#1c2330", "#dfe3e8"
 
-COLOUR_SCALE = SEQUENTIAL.capitalize()  #: Plotly's name of the common colour map
+COLOUR_SCALE = [
+    [share, to_hex(COLOUR_MAPS["magnitude"](share))] for share in np.linspace(0.0, 1.0, 16)
+]
+"""Common colour map of magnitudes, as Plotly takes it."""
 FONT_LOOK = {"family": FONT, "size": 13, "color": INK}
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
@@ -19,7 +18,13 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
+    COLOURS,
+    new_figure,
+    styled,
+    time_axis,
+)
 from bladewhirl.postprocess.plotting.titles import head
 
 PERMANENT = 0.99  #: a blade with at least this share of the time in contact is "permanent"
@@ -29,14 +34,6 @@ BRIGHTEST = 99.0
 percentile has the brightest colour."""
 
 FORCE_DECADES = 3.0  #: number of decades that colours distinguish below the largest force
-SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
-"""Colours of the share of the time in contact, for shares from 0 to 1, and of contact forces."""
-
-CONTACT = LinearSegmentedColormap.from_list("contact", SHARE_COLOURS)
-
-GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
-"""Colours of gaps, from zero to the largest gap; they are paler than the colours of contact."""
-
 #: colours are clipped if the largest force exceeds the percentile `BRIGHTEST` by this factor
 PEAK = 1.5
 FEW_PERCENT = 40.0
@@ -158,8 +155,7 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     figure, axes = _map_axes()
     unit, scale = handy_unit(float(maps["gap"].max(skipna=True)), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
-    pale = LinearSegmentedColormap.from_list("gaps", GAP_COLOURS)
-    picture = draw_map(axes, maps["edge"], maps["blade"], gap, vmin=0.0, cmap=pale)
+    picture = draw_map(axes, maps["edge"], maps["blade"], gap, vmin=0.0, cmap=COLOUR_MAPS["gap"])
     if maps["share"].any():
         limit = share_limit(maps["share"])
         touching = draw_share(axes, maps["edge"], maps["blade"], maps["share"], limit)
@@ -184,7 +180,9 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     length = f"{larger * span:.2g} {small}"
     positive = np.ma.masked_less_equal(scale * force.T, 0.0)
     levels = scale * top, FORCE_DECADES
-    picture = draw_decades(axes, maps["edge"], maps["blade"], positive, levels, cmap=CONTACT)
+    picture = draw_decades(
+        axes, maps["edge"], maps["blade"], positive, levels, cmap=COLOUR_MAPS["contact"]
+    )
     figure.colorbar(picture, ax=axes, label=f"normal force [{unit}], white: none", extend="min")
     axes.set_xlim(*contact_span(maps["edge"].values, np.any(force > 0.0, axis=1)))
     time_axis(axes)
@@ -259,7 +257,7 @@ def draw_share(
     """Draw shares (time, row) of the time in contact in percent. The share `limit` [%] has the
     darkest colour, see `share_limit`."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
-    return draw_map(axes, across, up, percent, cmap=CONTACT, vmin=0.0, vmax=limit)
+    return draw_map(axes, across, up, percent, cmap=COLOUR_MAPS["contact"], vmin=0.0, vmax=limit)
 
 
 def force_limit(force: Array) -> float:

@@ -14,7 +14,13 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS, ring_displacement
 from bladewhirl.postprocess.plotting.axes import draw_map
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
+    FULL_WIDTH,
+    new_figure,
+    styled,
+    time_axis,
+)
 from bladewhirl.postprocess.plotting.titles import head
 
 FEW = 6
@@ -187,7 +193,7 @@ def plot_node_wear(data: xr.Dataset) -> Figure:
     edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
     degrees = np.linspace(0.0, 360.0, recess.shape[1] + 1)
     label = f"removed depth [{depth_unit}]"
-    draw_map(above, degrees, edges, depth_scale * recess, cmap="magma_r", label=label)
+    draw_map(above, degrees, edges, depth_scale * recess, cmap=COLOUR_MAPS["wall"], label=label)
     above.set(xticks=np.arange(0, 361, 45), xlabel="angle on the wall, static frame [°]")
     above.set_ylabel(f"axial position [{unit}]")
     below.plot(data["time"], 1e9 * data["wear_volume"])
@@ -211,7 +217,10 @@ def plot_ring(data: xr.Dataset) -> Figure:
     largest = float(np.abs(radial).max())
     unit, scale = handy_unit(largest, "m")
     degrees = np.degrees(data["casing_angle"].values)
-    look: dict[str, Any] = {"cmap": "RdBu_r", "label": f"radial\ndisplacement [{unit}]"}
+    look: dict[str, Any] = {
+        "cmap": COLOUR_MAPS["signed"],
+        "label": f"radial\ndisplacement [{unit}]",
+    }
     if largest > 0.0:
         look |= {"vmin": -scale * largest, "vmax": scale * largest}
     draw_map(above, _time_edges(time), degrees, scale * radial.T, **look)

@@ -14,7 +14,14 @@ from bladewhirl.postprocess.fields.labelled import ABOUT
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
 from bladewhirl.postprocess.plotting.axes import Labels, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.legends import entries_of
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    styled,
+    time_axis,
+)
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.sensors import shown_unit
 from bladewhirl.postprocess.shaft.spectra import (
@@ -327,7 +334,7 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
         reach = float(np.nanmax(np.abs(moved))) or 1.0
         look: dict[str, Any] = {"vmin": 0.0, "vmax": reach}
         if signed:
-            look |= {"vmin": -reach, "cmap": "RdBu_r"}
+            look |= {"vmin": -reach, "cmap": COLOUR_MAPS["signed"]}
         number, blade = blades[f"{name}_turn"].values, blades["blade"].values
         word = "deflection" if signed else "half of the range"
         masked = np.ma.masked_invalid(moved)

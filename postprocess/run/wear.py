@@ -15,7 +15,7 @@ from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.plotting.axes import draw_map
-from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 MOST_LOBES = 60  #: largest number of lobes in the spectrum of a profile
@@ -214,7 +214,7 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
     turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
     time, angle = (turns or 1.0) * data["wear_time"].values, np.degrees(data["angle"].values)
     depth, label = 1e3 * _mean_depth(data).T, "removed depth [mm]"
-    draw_map(axes, time, angle, depth, cmap="magma_r", label=label)
+    draw_map(axes, time, angle, depth, cmap=COLOUR_MAPS["wall"], label=label)
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))
     axes.set_xlabel("revolutions of the rotor")
     if not turns:

@@ -7,7 +7,6 @@ A line belongs to one combination of values of the swept keys that are not on an
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -19,7 +18,7 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, new_figure
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS, FULL_WIDTH, INCH, new_figure
 from bladewhirl.postprocess.plotting.titles import key_words, set_title
 from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
@@ -169,7 +168,7 @@ def lines_of(data: xr.Dataset) -> list[Line]:
     `MOST_LINES` lines an even selection is returned. Points of a table are not joined by lines.
     """
     shown, labels = chosen(data.sizes[LINE], MOST_LINES), line_values(data)
-    shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.8, len(shown)))
+    shades = COLOUR_MAPS["line"](np.linspace(0.0, 1.0, len(shown)))
     joined = data.attrs["along"] != POINT
     return [
         Line(data.isel({LINE: number}), shade, labels[number], dash if joined else "none", mark)

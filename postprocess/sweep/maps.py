@@ -38,7 +38,6 @@ from bladewhirl.postprocess.sweep.regimes import (
     regime_names,
 )
 
-DIVERGING = "PuOr_r"  #: colour map of signed values, distinct for colour-blind readers
 #: a colour scale is logarithmic if the largest value exceeds this many times the median
 CLEAR_RANGE = 30.0
 CROSSED: Mapping[str, Any] = {"hatch": "xxx", "edgecolor": "#777777", "linewidth": 0.0}
@@ -124,12 +123,12 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     growth, error = maps["growth_rate"].values, maps["growth_error"].values
     doubtful = np.abs(growth) <= CERTAINTY * error
     label = f"largest recorded displacement [{unit}]"
-    pictures = [(radius, label, style.SEQUENTIAL, _of_magnitudes(radius))]
+    pictures = [(radius, label, style.COLOUR_MAPS["magnitude"], _of_magnitudes(radius))]
     if np.isfinite(growth).any():
         top = float(np.nanmax(np.abs(growth))) or 1.0
         threshold = linear_threshold(growth, error)
         norm = SymLogNorm(threshold, vmin=-top, vmax=top) if threshold else Normalize(-top, top)
-        pictures.append((growth, "growth rate [1/s]", DIVERGING, norm))
+        pictures.append((growth, "growth rate [1/s]", style.COLOUR_MAPS["signed"], norm))
     columns, height = 1 + len(pictures), 0.05 * len(shown)
     figure = style.new_figure(width=style.FULL_WIDTH, height=0.04 + height)
     narrow = figure.get_figwidth() * style.INCH < style.NARROW

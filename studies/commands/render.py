@@ -26,7 +26,7 @@ def render(
     time: Annotated[list[float] | None, options.time("--time")] = None,
     exaggeration: float | None = None,
     frame: Frame | None = None,
-    colour: Field = "displacement",
+    colour: Field = "deformation",
     view: View | None = None,
     orbit: Annotated[bool, typer.Option("--orbit")] = False,
     overwrite: options.Replace = False,

@@ -30,7 +30,7 @@ def render(
     end: float | None = None,
     exaggeration: float | None = None,
     frame: Frame | None = None,
-    colour: Field = "displacement",
+    colour: Field = "deformation",
     view: View | None = None,
     orbit: bool = False,
     progress: Callable[[int, int], None] | None = None,

@@ -155,6 +155,6 @@ def test_films_of_modes_are_normalised() -> None:
     motion = mode_motion(model, "bladed-disk", np.array([3]), wave="standing", title="a mode")
     drawing = Drawing(motion, np.arange(PICTURES))
     colouring = drawing.colouring
-    assert (colouring.unit, colouring.limits) == ("\N{EN DASH}", (0.0, 1.0))
-    assert colouring.scale * colouring.largest == pytest.approx(1.0)
+    assert (colouring.disk.unit, colouring.disk.limits) == ("\N{EN DASH}", (0.0, 1.0))
+    assert colouring.disk.factor * np.abs(colouring.points).max() == pytest.approx(1.0)
     assert "arbitrary" in enlargement(drawing.exaggeration, normalised=drawing.normalised)

@@ -37,7 +37,9 @@ def test_magnitudes_of_motion() -> None:
     )
     np.testing.assert_allclose(beams, 5.0)
     np.testing.assert_allclose(colours.casing, 1.0, rtol=1e-5)
-    assert (colours.unit, colours.limits, colours.signed) == ("m/s", (0.0, 5.0), False)
+    assert (colours.disk.unit, colours.disk.limits) == ("m/s", (0.0, 5.0))
+    assert (colours.wall.unit, colours.wall.limits) == ("m/s", (0.0, 1.0))  # a scale of its own
+    assert [*colours.scales] == ["rotor [m/s]", "wall [m/s]"]
 
 
 def test_a_velocity_is_the_rate_in_the_axes_of_the_picture() -> None:
@@ -67,8 +69,9 @@ def test_bending_is_opposite_at_the_two_sides() -> None:
     curvature = 1e-3 * 3 / (synthetic.TIP_RADIUS - synthetic.DISK_RADIUS) ** 2  # at its root
     right = 0.010 / 2 * curvature
     np.testing.assert_allclose(beams[0, blade, 0], [right, -right], rtol=1e-9)
-    assert colours.limits[0] == -colours.limits[1]
-    assert colours.limits[1] >= colours.scale * colours.largest
+    low, high = colours.disk.limits
+    assert low == -high
+    assert high >= colours.disk.factor * np.abs(beams).max()
     _, stress = coloured(result, "stress")
     np.testing.assert_allclose(stress[0, blade, 0, 0], synthetic.YOUNG_MODULUS * right)
     np.testing.assert_allclose(coloured(result, "axial-strain")[1], 0.0, atol=1e-12)

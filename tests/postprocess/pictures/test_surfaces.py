@@ -160,8 +160,8 @@ def test_without_a_coating_there_is_no_wear(single: xr.Dataset) -> None:
 
 
 def test_surfaces_without_motion_are_light(three: xr.Dataset) -> None:
-    shade = Drawing(three, RECORDS).colouring.colour_map(0.0)
-    assert min(shade[:3]) > 0.7
+    shade = Drawing(three, RECORDS).colouring.disk.colours(0.0)
+    assert min(shade[:3]) == 1.0
 
 
 @pytest.mark.parametrize(
@@ -257,7 +257,7 @@ def test_the_series_has_the_wall_as_a_solid_and_the_wear_of_each_track(
 def test_fields_of_surfaces(three: xr.Dataset, colour: Any, unit: str) -> None:
     colouring = Drawing(three, RECORDS, colour=colour, frame="static").colouring
     assert colouring.points.shape == (3, 54, 2)
-    assert colouring.unit in (unit, "µm")
+    assert colouring.disk.unit in (unit, "µm")
     if colour == "velocity":
         both = series(three, np.array([39, 41]), rotating=False)
         before, after = (grids["rotor"] for grids in both)

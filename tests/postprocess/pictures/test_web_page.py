@@ -46,10 +46,21 @@ def test_shades_are_true_values(result: xr.Dataset, tmp_path: Path) -> None:
     about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="stress"))
     drawing = Drawing(result, RECORDS, colour="stress")
     beams = [drawing.picture(index).rotor.values for index in range(3)]
-    low, high = about["limits"]
-    values = low + (high - low) * shades[:, : about["casingShades"]] / (len(about["colours"]) - 1)
-    true = drawing.colouring.scale * np.reshape(beams, (3, -1))
-    np.testing.assert_allclose(values, true, atol=0.51 * (high - low) / (len(about["colours"]) - 1))
+    walls = [drawing.picture(index).casing.values for index in range(3)]
+    first, last = about["casingShades"], about["perScale"] - 1
+    colouring, split = (
+        drawing.colouring,
+        (shades[:, :first], shades[:, first : about["surfaceShades"]]),
+    )
+    for number, (scale, drawn, given) in enumerate(
+        zip((colouring.disk, colouring.wall), split, (beams, walls), strict=True)
+    ):
+        low, high, _ = about["scales"][number]
+        share = (drawn - number * about["perScale"]) / last
+        true = scale.factor * np.reshape(given, (3, -1))
+        np.testing.assert_allclose(
+            low + (high - low) * share, true, atol=0.51 * (high - low) / last
+        )
     assert len(about["members"]) == result.sizes["rotor_line"]
 
 

@@ -11,8 +11,10 @@ from legible import assert_legible
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from numpy.typing import ArrayLike
 from synthetic_result import synthetic_result
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.style import new_figure
@@ -40,13 +42,54 @@ class TestFiguresOfARun:
         np.testing.assert_array_equal(imread(plain), imread(other))
 
 
+#: dichromats' views of linear RGB after Vienot, Brettel and Mollon (1999)
+VIEWS = {
+    "trichromat": np.eye(3),
+    "protanope": np.array([[0.11238, 0.88762, 0], [0.11238, 0.88762, 0], [0.00401, -0.00401, 1]]),
+    "deuteranope": np.array([[0.29275, 0.70725, 0], [0.29275, 0.70725, 0], [-0.02234, 0.02234, 1]]),
+}
+
+
+def seen_as(colours: ArrayLike, view: str) -> FloatArray:
+    """Return CIELAB coordinates (colour, 3) of RGB colours as a viewer sees them."""
+    rgb = np.asarray(colours)[:, :3]
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4) @ VIEWS[view].T
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    share = np.clip(linear, 0.0, 1.0) @ np.transpose(to_xyz) / [0.9505, 1.0, 1.089]
+    f = np.where(share > 0.008856, np.cbrt(share), 7.787 * share + 16.0 / 116.0)
+    return np.stack(
+        [116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1
+    )
+
+
+@pytest.mark.parametrize("view", VIEWS)
+class TestColourMaps:
+    @pytest.mark.parametrize("name", ["magnitude", "line", "wall", "contact", "gap"])
+    def test_larger_is_darker_for_every_viewer(self, name: str, view: str) -> None:
+        lab = seen_as(style.COLOUR_MAPS[name](np.linspace(0.0, 1.0, 33)), view)
+        assert np.diff(lab[:, 0]).max() < -0.3
+        if name not in ("line", "contact"):
+            assert lab[0, 0] == pytest.approx(100.0, abs=0.1)  # zero is paper
+
+    def test_signs_differ_for_every_viewer(self, view: str) -> None:
+        lab = seen_as(style.COLOUR_MAPS["signed"](np.linspace(0.0, 1.0, 33)), view)
+        assert lab[16, 0] > 99.0
+        assert np.diff(lab[:17, 0]).min() > 0.3
+        assert np.diff(lab[16:, 0]).max() < -0.3
+        apart = np.linalg.norm(lab - lab[::-1], axis=1)
+        assert apart[[0, 4, 8, 12]].min() > 12.0
+
+    def test_contact_is_distinct_from_gaps_and_wall_from_blades(self, view: str) -> None:
+        for one, other in (("contact", "gap"), ("wall", "magnitude")):
+            shades = [style.COLOUR_MAPS[name](np.linspace(0.3, 0.7, 5)) for name in (one, other)]
+            apart = seen_as(shades[0], view) - seen_as(shades[1], view)
+            assert np.linalg.norm(apart, axis=1).min() > 10.0
+
+
 class TestColours:
     def test_meanings_drawn_together_are_distinct_without_colour_vision(self) -> None:
         together = ("total", "suspension", "k = 0", "k = 1", "other k", "rest")
-        # Dichromats' views of linear RGB after Vienot, Brettel and Mollon (1999).
-        protan = np.array([[0.11238, 0.88762, 0], [0.11238, 0.88762, 0], [0.00401, -0.00401, 1]])
-        deutan = np.array([[0.29275, 0.70725, 0], [0.29275, 0.70725, 0], [-0.02234, 0.02234, 1]])
-        for view in (np.eye(3), protan, deutan):
+        for view in VIEWS.values():
             seen = [view @ np.array(to_rgb(style.COLOURS[name])) ** 2.2 for name in together]
             for i, one in enumerate(seen):
                 for other in seen[:i]:

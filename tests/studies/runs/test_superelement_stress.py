@@ -360,7 +360,11 @@ def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
         assert len(figure.axes) == 2
         points = points_of(result, 1)
         shown = colouring(result, points, "stress", records[:3], 1, rotating=True)
-        assert (shown.name, shown.unit, shown.signed) == ("von Mises stress", "MPa", False)
+        assert (shown.name, shown.disk.unit, shown.disk.limits[0]) == (
+            "von Mises stress",
+            "MPa",
+            0.0,
+        )
         np.testing.assert_allclose(shown.points[..., 0], everywhere[:3])
     rows = summary_rows(run.summary)
     assert "von Mises stress away from contact nodes" in rows["stress of bladed disk, largest"]
