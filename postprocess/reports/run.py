@@ -65,13 +65,14 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     """
     figures = RunFigures(dataset)
     energies = figures.energies
-    regime, first = classify(dataset, energies["total"].values), list[PageSection]()
-    stresses = None
+    regime = classify(dataset, energies["total"].values)
+    first = [
+        PageSection(name="one-page", title="On one page", blocks=report_figures(figures, "card"))
+    ]
     if "rotor_line" in dataset:
         plots = instants(dataset, figures.contact, figures.orbit, energies)
         first.append(PageSection(name="instant", title="At one instant", blocks=[plots]))
-    if "stress" in figures.kinds:
-        stresses = figures.stresses
+    stresses = figures.known_stresses
     meaning = REGIMES[regime.name].meaning
     title = regime_title(regime.name, judged=regime.growth is not None)
     reason = str(dataset.attrs.get("end_reason", "completed"))

@@ -78,21 +78,29 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
     return peaks
 
 
-def largest_force(dataset: xr.Dataset) -> ForcePeak:
-    """Return the largest normal force on any contact node, averaged over `FORCE_TIME`."""
-    time = dataset["time"].values
+def mean_forces(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the normal force on each contact node, the mean over `FORCE_TIME` up to each record
+    [N], (time, contact_node). The attribute `averaged_over` is this time [s]."""
     step = float(dataset.attrs["record_step"])
     records = max(1, round(FORCE_TIME / step))
     impulse: Array = np.cumsum(dataset["contact_impulse"].values, axis=0)
     summed = impulse.copy()
     summed[records:] -= impulse[:-records]
-    record, place = np.unravel_index(summed.argmax(), summed.shape)
+    about = {"averaged_over": records * step}
+    over = ("time", "contact_node")
+    return xr.DataArray(summed / (records * step), dims=over, attrs=about)
+
+
+def largest_force(dataset: xr.Dataset) -> ForcePeak:
+    """Return the largest normal force on any contact node, averaged over `FORCE_TIME`."""
+    force = mean_forces(dataset)
+    record, place = np.unravel_index(force.values.argmax(), force.shape)
     return ForcePeak(
-        force=float(summed[record, place] / (records * step)),
+        force=float(force[record, place]),
         blade=int(dataset["blade"][place]),
         node=int(dataset["node"][place]),
-        time=float(time[record]),
-        averaged_over=records * step,
+        time=float(dataset["time"][record]),
+        averaged_over=force.attrs["averaged_over"],
     )
 
 

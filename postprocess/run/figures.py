@@ -136,6 +136,11 @@ class RunFigures(Figures):
         return late_part(dataset) if self._is_run else dataset
 
     @property
+    def known_stresses(self) -> xr.Dataset | None:
+        """Stresses of every member over time; None if the stage has no stresses."""
+        return self.stresses if "stress" in self.kinds else None
+
+    @property
     def with_contact(self) -> xr.Dataset:
         """The result, if a blade tip touches the casing."""
         if not self.result["contact_steps"].isel(time=slice(1, None)).any():

@@ -61,7 +61,7 @@ def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
     assert isinstance(figure, Figure)
     assert figure.axes[1].get_ylabel() == "radius [mm]"
     with pytest.raises(
-        ViewError, match="figure 'maps': expected one of orbit, bearing-forces, whirl"
+        ViewError, match="figure 'maps': expected one of card, orbit, bearing-forces"
     ):
         bw.plot.maps(run)
     folder = synthetic_sweep(tmp_path / "sweep", {"march.speed": (1.0,)}, [run])

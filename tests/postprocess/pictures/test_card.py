@@ -1,0 +1,106 @@
+"""The card of a run: what is drawn is what is stored, and the sentence says it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from legible import assert_legible
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Rectangle, StepPatch
+from three_runs import KINDS, Kind, run_of
+
+from bladewhirl.postprocess.fields.kinematics import contact_forces
+from bladewhirl.postprocess.pictures.card import card, nearest_order, verdict
+from bladewhirl.postprocess.plotting.style import at_width, save_figure
+from bladewhirl.postprocess.run.extremes import largest_force
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.histories import contact_force
+
+STAGE, HISTORY, CLOCK, STRESS, CASING, CAMPBELL = range(6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_drawn_is_what_is_stored(kind: Kind) -> None:
+    run = run_of(kind)
+    with at_width(0.085):
+        figure, data = RunFigures(run).draw("card")
+    assert figure.get_size_inches() == pytest.approx([11.693, 8.268], abs=1e-3)  # A4 at any width
+    assert_legible(figure)
+    panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    force = contact_force(run)["normal"].values
+    record = int(force.max(axis=1).argmax())
+    assert data.attrs["shown_time"] == float(run["time"][record])
+    stage = panels[STAGE].collections[0]
+    assert isinstance(stage, PolyCollection)
+    assert len(stage.get_paths()) == data.sizes["polygon"] > 100
+    scale = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}[data.attrs["label"].split("[")[1][:-1]]
+    assert data.attrs["high"] * scale >= np.nanmax(np.abs(data["value"])) * scale > 1e3
+    arrows = np.ptp(data["arrow"].values, axis=1).max(axis=1) > 0.0
+    pushed = np.any(contact_forces(run, np.array([record]))[0], axis=1)
+    assert pushed.any()
+    assert not (arrows & ~pushed).any()
+    (line, cursor) = panels[HISTORY].lines
+    assert np.max(line.get_ydata()) in (force.max(), pytest.approx(1e-3 * force.max()))
+    assert np.asarray(cursor.get_xdata())[0] == data.attrs["shown_time"]
+    if kind != "blade":
+        bars = [patch for patch in panels[CLOCK].patches if isinstance(patch, Rectangle)]
+        stored = data["largest_force"].values
+        heights = np.array([bar.get_height() for bar in bars])
+        np.testing.assert_allclose(heights / heights.max(), stored / stored.max())
+    points = np.concatenate(
+        [line.get_ydata() for line in panels[STRESS].lines if line.get_marker() == "o"]
+    )
+    np.testing.assert_allclose(np.sort(points), np.sort(1e-6 * data["alternating"].values))
+    (around,) = [patch for patch in panels[CASING].patches if isinstance(patch, StepPatch)]
+    drawn = around.get_data()[0]
+    name = "gap" if kind == "wheel" else "wear"
+    stored = (data[name].min("axial") if name == "gap" else data[name].max("axial")).values
+    factor = np.nanmax(drawn) / np.nanmax(stored)
+    assert factor in (pytest.approx(1e3), pytest.approx(1e6))
+    np.testing.assert_allclose(drawn, factor * stored)
+    speeds = [
+        np.asarray(line.get_xdata())[0]
+        for line in panels[CAMPBELL].lines
+        if line.get_linestyle() == "-"
+    ]
+    assert run.attrs["speed"] * 30 / np.pi in (pytest.approx(speed) for speed in speeds)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_sentence_has_the_numbers_of_the_summary(kind: Kind) -> None:
+    run = run_of(kind).assign_attrs(endurance=2e8, strength=9e8)
+    figures = RunFigures(run)
+    data = card(run, figures.known_stresses, figures.energies)
+    text = verdict(data)
+    margin = float(data["margin"].min())
+    sense = "within" if margin >= 1.0 else "beyond"
+    assert f"{sense} the limits of its material (margin {margin:.3g})" in text
+    assert text.endswith(".")
+    assert ("of the coating are removed" in text) == (kind != "wheel")
+    if kind == "beams":
+        assert f"blade {largest_force(run)['blade']} is pushed by up to" in text
+    near = nearest_order(data)
+    assert near is not None
+    turns = run.attrs["speed"] / (2 * np.pi)
+    assert abs(near[0] * turns / near[1] - 1.0) == pytest.approx(near[2])
+    lowest = run["rotor_frequency"].values / (2 * np.pi)
+    orders = np.arange(1, 9)[:, None]
+    within = lowest[(lowest > 0.0) & (lowest <= max(8 * turns, 1.35 * lowest[lowest > 0].min()))]
+    if kind != "beams":  # whose waves have two frequencies
+        assert near[2] == pytest.approx(np.abs(orders * turns / within - 1.0).min())
+
+
+def test_the_page_is_one_file_of_a4(tmp_path: Path) -> None:
+    figure, _ = RunFigures(run_of("beams")).draw("card")
+    (path,) = save_figure(figure, tmp_path / "card", formats=["pdf"])
+    assert b"/MediaBox [ 0 0 841.88" in path.read_bytes().replace(b"\n", b" ")
+
+
+def test_a_run_without_contact_says_so() -> None:
+    run = run_of("wheel")
+    none = {
+        name: 0 * run[name] for name in ("contact_impulse", "friction_impulse", "contact_steps")
+    }
+    figure, data = RunFigures(run.assign(none)).draw("card")
+    assert verdict(data).startswith("No contact: the smallest gap is")
+    assert_legible(figure)
