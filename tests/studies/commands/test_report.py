@@ -65,7 +65,7 @@ def test_all_figures_are_inside(page: Parsed) -> None:
     drawn -= {"regime"}  # so short a run has no growth rate
     drawn -= {"contact-nodes", "tips"}  # of superelements
     drawn -= {"run-up", "critical-orbits", "waterfall", "torques"}  # of a speed that varies
-    assert len(drawn) == 19
+    assert len(drawn) == 20
     assert set(page.pictures) == drawn
     assert set(page.pictures.values()) == {f"data:image/png;base64,{PICTURE}"}
     assert base64.b64decode(report_page._as_png(Figure())).startswith(b"\x89PNG")
