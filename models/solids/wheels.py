@@ -14,7 +14,7 @@ GAP = np.radians(45.0)
 
 def goes_round(points: FloatArray) -> bool:
     """Return whether points, (n, 3), are all around the axis z."""
-    return largest_gap(points) < GAP
+    return bool(largest_gap(points) < GAP)
 
 
 def equal_blades(points: FloatArray, contact: IntArray) -> int:

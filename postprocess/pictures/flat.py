@@ -16,6 +16,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon, Surface, arrows, widened
+from bladewhirl.postprocess.plotting.style import COLOURS
 
 LAMP = unit(np.array([-0.35, 0.5, 0.8]))  #: direction to the lamp, in the axes of the picture
 FINE = 4000  #: triangles of a surface are halved until there are as many
@@ -27,23 +28,24 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
 
     Returns:
         Dataset: `outline` (polygon, corner, axis) [m] as drawn, `value` (polygon,) of the field in
-        the unit of the scale, nan without a value, and `shade` (polygon, rgb), the colour;
+        the unit of the scale, nan without a value (the wall), and `shade` (polygon, rgb);
         `arrow` (contact_node, arrow_corner, axis) [m], outlines of contact forces. Attributes: the
         scale with `label`, `low`, `high` and `colours`, and the text `notes`.
     """
     drawing = Drawing(dataset, np.array([record]), colour=colour)
     picture, field = drawing.picture(0), drawing.colouring
+    scale = field.disk
     reach = max(drawing.reach())
     outlines, values, shades = [], [], []
 
     def add(corners: Array, found: Array, fixed: str | None, light: Array | float) -> None:
         """Add polygons of corners (polygon, 4, 2) with values of the field or a fixed colour."""
-        norm = Normalize(*field.limits)
-        face = field.colour_map(norm(np.nan_to_num(field.scale * found)))[:, :3]
+        norm = Normalize(*scale.limits)
+        face = scale.colours(norm(np.nan_to_num(scale.factor * found)))[:, :3]
         face[np.isnan(found)] = to_rgb(look.NO_VALUE)
         face = face if fixed is None else np.full_like(face, to_rgb(fixed))
         outlines.append(corners)
-        values.append(np.full(len(corners), np.nan) if fixed else field.scale * found)
+        values.append(np.full(len(corners), np.nan) if fixed else scale.factor * found)
         shades.append(face * np.reshape(light, (-1, 1)))
 
     if len(picture.surface.points):
@@ -70,7 +72,7 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
         for ribbon in (picture.casing, picture.rotor):
             rim, _ = _ribbon(replace(ribbon, sides=widened(ribbon.sides, edge, edge)))
             add(rim, np.full(len(rim), np.nan), look.INK, 1.0)
-            add(*_ribbon(ribbon), None, 1.0)
+            add(*_ribbon(ribbon), COLOURS["casing"] if ribbon is picture.casing else None, 1.0)
         order = np.arange(sum(map(len, outlines)))
     length = look.metres_per_newton(drawing.largest_force, reach)
     notes = [f"{look.time_text(picture.time, drawing.record_step)}, {drawing.frame} frame"]
@@ -78,10 +80,10 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
     if drawing.largest_force:
         notes.append(f"longest arrow: {handy(drawing.largest_force, 'N', 3)} with friction")
     attributes: dict[str, Any] = {
-        "label": f"{field.name} [{field.unit}]",
-        "low": field.limits[0],
-        "high": field.limits[1],
-        "colours": field.colours(256),
+        "label": f"{field.name} [{scale.unit}]",
+        "low": scale.limits[0],
+        "high": scale.limits[1],
+        "colours": scale.shades(256),
         "notes": "\n".join(notes),
     }
     return xr.Dataset(

@@ -180,7 +180,10 @@ def test_a_wheel_in_one_piece_has_the_modes_of_its_sector(
     monkeypatch.chdir(tmp_path)
     sector = bladed_sector("hexahedron20")
     # Nodes in another order, so that those of a blade do not follow each other.
-    whole, number = wheel(sector), np.random.default_rng(1).permutation(SECTORS * len(sector.points))
+    whole, number = (
+        wheel(sector),
+        np.random.default_rng(1).permutation(SECTORS * len(sector.points)),
+    )
     points = np.empty_like(whole.points)
     points[number] = whole.points
     (block,) = whole.cells
@@ -206,7 +209,7 @@ def test_a_wheel_in_one_piece_has_the_modes_of_its_sector(
 
 
 def test_blades_that_do_not_repeat_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(bw.CaseError, match="copies = 5.*contact nodes do not lie on others"):
+    with pytest.raises(bw.CaseError, match=r"copies = 5.*contact nodes do not lie on others"):
         bw.mesh3d(
             *(wheel(bladed_sector("tetra")),), **STEEL,
             clamped="r < 0.051", contact="outermost", copies=5,
