@@ -1,7 +1,5 @@
 """A bladed disk of beams at speed in modal coordinates."""
 
-from dataclasses import replace
-
 import numpy as np
 import scipy.sparse as sp
 
@@ -9,7 +7,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray, chain_to
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BeamMatrices, BladedDiskModel
 from bladewhirl.models.modal.modes import Modes
-from bladewhirl.models.stage.contact_problem import ContactNodes, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.export import BLADES
 from bladewhirl.models.structure.eigenproblems import modal_damping
 
@@ -34,15 +32,18 @@ def reduced_rotor(
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # no rows if clamped
     by_velocity = _by_velocity(case, disk, modes)
-    rotor = ReducedRotor(
+    radius, whole = disk.model.tip_radius, np.zeros(len(recess))
+    return ReducedRotor(
         frequency=modes.frequency,
         damping_ratio=np.full(modes.count, case.damping.ratio if by_velocity is None else 0.0),
         tip_radial=modes.shapes[disk.tip_radial],
         tip_tangential=modes.shapes[disk.tip_tangential],
+        tip_axial=np.zeros((len(recess), modes.count)),
         centre=centre,
         tip_angle=disk.tip_angles,
-        tip_radius=disk.model.tip_radius,
+        tip_radius=radius,
         tip_recess=recess,
+        contact_radius=radius - (recess if case.contact.sliding == "full" else whole),
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
@@ -51,17 +52,6 @@ def reduced_rotor(
             case.shaft.damping * disk.speed if case.shaft.damping_frame == "static" else 0.0
         ),
     )
-    return with_contact_nodes(rotor) if case.contact.sliding == "full" else rotor
-
-
-def with_contact_nodes(rotor: ReducedRotor) -> ReducedRotor:
-    """Return a rotor of beams whose tips, which do not move along the axis, are contact nodes."""
-    nodes = ContactNodes(
-        axial=np.zeros_like(rotor.tip_radial),
-        radius=rotor.tip_radius - rotor.tip_recess,
-        compliance=None,
-    )
-    return replace(rotor, nodes=nodes)
 
 
 def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray | None:

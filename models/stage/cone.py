@@ -82,23 +82,25 @@ def in_cone(
     Under a contour the casing has to be rigid, because the radial force on it differs from node to
     node.
     """
-    nodes = rotor.nodes
     if not np.any(slope):
         return rotor, casing
-    assert nodes is not None
-    contact, compliance = in_wall_axes(rotor.contact, slope), nodes.compliance
+    contact, compliance = in_wall_axes(rotor.contact, slope), rotor.compliance
     if compliance is not None:
         compliance = np.stack([compliance_in_wall_axes(each, slope) for each in compliance])
     part, shorter = np.cos(slope), wall_share(slope)
     own = part if np.ndim(slope) else 1.0
     along = np.array([shorter, shorter, 1.0, 1.0])  # w, dw/ds, u, du/ds
-    recess = np.tile(np.broadcast_to(part, len(nodes.radius)), rotor.copies) * rotor.tip_recess
+    recess = (
+        np.tile(np.broadcast_to(part, len(rotor.contact_radius)), rotor.copies) * rotor.tip_recess
+    )
     return (
         replace(
             rotor,
             tip_radial=contact[0::3],
+            tip_axial=contact[2::3],
             tip_recess=recess,
-            nodes=replace(nodes, axial=contact[2::3], compliance=compliance, normal_part=own),
+            compliance=compliance,
+            normal_share=own,
         ),
         replace(
             casing,

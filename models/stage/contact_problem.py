@@ -36,21 +36,6 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactNodes:
-    """Properties of tips whose contact forces have three directions: radial, tangential, axial."""
-
-    axial: FloatArray  #: axial displacement of the tips of a copy [kg^-1/2], (tips, modes)
-    radius: FloatArray  #: radius of the tips of a copy [m], (tips,)
-    compliance: FloatArray | None
-    """Residual flexibility of the tips of each copy [m/N], (copies, 3 * tips, 3 * tips); the first
-    three rows belong to tip 0. Tips with this flexibility have no mass. None: tips move with the
-    modes only."""
-    normal_part: float | FloatArray = 1.0
-    """Part of radial lengths that is normal to the wall at each tip of a copy, where the slope of
-    the wall varies, (tips,); a slope common to all tips is in the clearance."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class ReducedRotor:
     """A bladed disk in modal coordinates in the rotating frame.
 
@@ -65,10 +50,12 @@ class ReducedRotor:
     tip_radial: FloatArray  #: radial displacement of the tips of a copy [kg^-1/2], (tips, modes)
     tip_tangential: FloatArray
     """Displacement of the tips of a copy towards +theta [kg^-1/2], (tips, modes)."""
+    tip_axial: FloatArray  #: axial displacement of the tips of a copy [kg^-1/2], (tips, modes)
     centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero if clamped
     tip_angle: FloatArray  #: angle of each tip from +x [rad], (tips,)
     tip_radius: float  #: radius from which the clearance is measured [m]
     tip_recess: FloatArray  #: `tip_radius` minus the radius of each tip [m], (tips,)
+    contact_radius: FloatArray  #: radius of the tips of a copy [m], (tips,)
     column: IntArray
     """Column of the discrete Fourier transform (DFT) over the tips to which the shape of each mode
     belongs, (modes,); -1 without symmetry."""
@@ -82,7 +69,13 @@ class ReducedRotor:
     `damping_ratio` and `dampers` [1/s], (modes, modes), of one copy; None without such forces. With
     this matrix, dampers respond to contact within the time step."""
     copies: int = 1  #: number of copies
-    nodes: ContactNodes | None = None  #: None: contact forces are radial and tangential
+    compliance: FloatArray | None = None
+    """Residual flexibility of the tips of each copy [m/N], (copies, 3 * tips, 3 * tips); the first
+    three rows belong to tip 0. Tips with this flexibility have no mass. None: tips move with the
+    modes only."""
+    normal_share: float | FloatArray = 1.0
+    """Part of radial lengths that is normal to the wall at each tip of a copy, where the slope of
+    the wall varies, (tips,); a slope common to all tips is in the clearance."""
     circulation: float = 0.0
     """Damping at the centre in the static frame, times the speed [N/m]. In rotating axes a
     displacement (x, y) of the centre causes the force `circulation` times (y, -x)."""
@@ -109,7 +102,7 @@ class ReducedRotor:
             damping_ratio: damping ratio of each mode, (copies, modes).
             contact: radial, tangential and axial displacements of the contact nodes of a copy
                 [kg^-1/2], (3 * nodes, modes).
-            compliance: see `ContactNodes`.
+            compliance: see `ReducedRotor`.
             angle: angle of each contact node from +x [rad], (copies, nodes).
             radius: radius of the contact nodes of a copy [m], (nodes,).
             recess: `tip_radius` minus the radius of the contact nodes of a copy [m], (nodes,).
@@ -123,22 +116,23 @@ class ReducedRotor:
             damping_ratio=damping_ratio.ravel(),
             tip_radial=contact[0::3],
             tip_tangential=contact[1::3],
+            tip_axial=contact[2::3],
             centre=np.zeros((2, copies * modes)) if centre is None else np.tile(centre, copies),
             tip_angle=angle.ravel(),
             tip_radius=tip_radius,
             tip_recess=np.tile(recess, copies),
+            contact_radius=radius,
             column=np.full(copies * modes, -1),
             dampers=np.zeros((0, copies * modes)),
             by_velocity=by_velocity,
             copies=copies,
-            nodes=ContactNodes(axial=contact[2::3], radius=radius, compliance=compliance),
+            compliance=compliance,
         )
 
     @property
     def normal_part(self) -> FloatArray:
-        """See `ContactNodes.normal_part`, (all tips,); 1 without contact nodes."""
-        part = 1.0 if self.nodes is None else self.nodes.normal_part
-        of_copy = np.broadcast_to(part, len(self.tip_angle) // self.copies)
+        """See `normal_share`, (all tips,)."""
+        of_copy = np.broadcast_to(self.normal_share, len(self.tip_angle) // self.copies)
         return np.tile(of_copy, self.copies)
 
     @property
@@ -167,23 +161,10 @@ class ReducedRotor:
         return values.reshape(self.copies, -1)
 
     @property
-    def contact_radius(self) -> FloatArray:
-        """Radius of the tips of a copy [m], (tips,)."""
-        if self.nodes is None:
-            return np.full(len(self.tip_radial), self.tip_radius)
-        return np.asarray(self.nodes.radius, dtype=np.float64)
-
-    @property
-    def compliance(self) -> FloatArray | None:
-        """See `ContactNodes.compliance`; None for tips of beams."""
-        return None if self.nodes is None else self.nodes.compliance
-
-    @property
     def contact(self) -> FloatArray:
         """Radial, tangential and axial displacements of the tips of a copy [kg^-1/2],
         (3 * tips, modes)."""
-        axial = np.zeros_like(self.tip_radial) if self.nodes is None else self.nodes.axial
-        components = (self.tip_radial, self.tip_tangential, axial)
+        components = (self.tip_radial, self.tip_tangential, self.tip_axial)
         return np.stack(components, axis=1).reshape(-1, self.tip_radial.shape[1])
 
     def at_tips(self, rows: FloatArray, displacement: FloatArray) -> FloatArray:
@@ -199,11 +180,11 @@ class ReducedRotor:
     def highest_frequency(self) -> float:
         """Highest frequency of the modes [rad/s]. Tips without mass are then fixed in each
         direction with a residual flexibility."""
-        if self.nodes is None or self.nodes.compliance is None:
+        if self.compliance is None:
             return float(np.abs(self.frequency).max(initial=0.0))
         squares, contact = self.by_copy(self.frequency) ** 2, self.contact
         alike = bool((squares == squares[0]).all())
-        found = zip(squares, self.nodes.compliance, strict=True)
+        found = zip(squares, self.compliance, strict=True)
         chosen = [next(found)] if alike else list(found)
         return max(stiffest(square, contact, compliance) for square, compliance in chosen)
 
@@ -230,20 +211,19 @@ class ReducedRotor:
         """Return the rotor with the chosen modes; one of several copies has all of them."""
         if len(modes) == len(self.frequency):
             return self
-        nodes = self.nodes
         return replace(
             self,
             frequency=self.frequency[modes],
             damping_ratio=self.damping_ratio[modes],
             tip_radial=self.tip_radial[:, modes],
             tip_tangential=self.tip_tangential[:, modes],
+            tip_axial=self.tip_axial[:, modes],
             centre=self.centre[:, modes],
             column=self.column[modes],
             dampers=self.dampers[:, modes],
             by_velocity=(
                 None if self.by_velocity is None else self.by_velocity[np.ix_(modes, modes)]
             ),
-            nodes=None if nodes is None else replace(nodes, axial=nodes.axial[:, modes]),
         )
 
     def turning_force(self, displacement: FloatArray, velocity: FloatArray) -> FloatArray:
@@ -512,7 +492,7 @@ class ContactProblem:
     """Speed of rotation Omega, counter-clockwise [rad/s]; if it varies, the speed of the arrays."""
     friction: float  #: Coulomb friction coefficient
     sliding: Literal["permanent", "signed", "full"]
-    """See `contact.sliding` of a case; "full" needs `ContactNodes`."""
+    """See `contact.sliding` of a case."""
     tip_rotation: bool  #: true to add u_t / R to the angle of a tip
     displacement_limit: float  #: displacement at which a march ends as divergent [m]
     loads: tuple[Load, ...]
@@ -566,8 +546,7 @@ class ContactProblem:
             return np.zeros(len(rotor.frequency)), np.zeros(len(casing.frequency))
         by_copy = force.reshape(rotor.copies, -1, 3)
         pull = by_copy[..., 0] @ rotor.tip_radial + by_copy[..., 1] @ rotor.tip_tangential
-        if rotor.nodes is not None:
-            pull = pull + by_copy[..., 2] @ rotor.nodes.axial
+        pull = pull + by_copy[..., 2] @ rotor.tip_axial
         pushed = casing.shapes_at(rotor.tip_angle + turned.angle)
         return pull.ravel(), -np.einsum("td,tdm->m", force[:, :2], pushed)
 
@@ -619,8 +598,7 @@ class ContactProblem:
         angle = rotor.tip_angle + self.angle_at(time)
         if self.tip_rotation:
             around = rotor.at_tips(rotor.tip_tangential, start.rotor)
-            radius = rotor.tip_radius if rotor.nodes is None else rotor.nodes.radius
-            angle = angle + (around.reshape(rotor.copies, -1) / radius).ravel()
+            angle = angle + (around.reshape(rotor.copies, -1) / rotor.contact_radius).ravel()
         field = casing.nodal[:, :2] @ start.casing + self.clearance(time)
         surface = around_wall(field, casing.element_length, angle)
         gap = (
@@ -628,9 +606,9 @@ class ContactProblem:
             + self.metal_recess
             - rotor.at_tips(rotor.tip_radial, start.rotor)
         )
-        if start.contact_force.size and rotor.nodes and rotor.nodes.compliance is not None:
+        if start.contact_force.size and rotor.compliance is not None:
             pushed = start.contact_force.reshape(rotor.copies, -1, 1)
-            gap = gap - (rotor.nodes.compliance @ pushed)[:, ::3].ravel()
+            gap = gap - (rotor.compliance @ pushed)[:, ::3].ravel()
         if self.foreshortening is not None:
             gap = gap + self.foreshortening.opening(start.rotor)
         return np.asarray(gap)
@@ -645,9 +623,7 @@ class ContactProblem:
             assert rotor.by_velocity is not None
             rotor = replace(rotor, by_velocity=rotor.by_velocity + further)
         if change.compliance is not None:
-            assert rotor.nodes is not None
-            nodes = replace(rotor.nodes, compliance=change.compliance.at(speed))
-            rotor = replace(rotor, nodes=nodes)
+            rotor = replace(rotor, compliance=change.compliance.at(speed))
         return replace(self, rotor=rotor)
 
     @property

@@ -133,18 +133,15 @@ def _rotor_in_modes(rotor: ReducedRotor, square: FloatArray, ways: FloatArray) -
     """Return a rotor in other coordinates, see `_in_modes`."""
     rates = np.diag(2.0 * rotor.damping_ratio * np.abs(rotor.frequency))
     damping = rates if rotor.by_velocity is None else rates + rotor.by_velocity
-    nodes = rotor.nodes
-    if nodes is not None:
-        nodes = replace(nodes, axial=nodes.axial @ ways)
     return replace(
         rotor,
         frequency=np.sign(square) * np.sqrt(np.abs(square)),
         damping_ratio=np.zeros(len(square)),
         tip_radial=rotor.tip_radial @ ways,
         tip_tangential=rotor.tip_tangential @ ways,
+        tip_axial=rotor.tip_axial @ ways,
         centre=rotor.centre @ ways,
         column=np.full(len(square), -1),
         dampers=rotor.dampers @ ways,
         by_velocity=ways.T @ damping @ ways,
-        nodes=nodes,
     )

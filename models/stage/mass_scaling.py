@@ -42,8 +42,7 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
         raise ValueError("a casing without a coating")
     if not problem.casing.is_flexible:
         raise ValueError('casing.type = "ring", whose modes can be scaled')
-    nodes = problem.rotor.nodes
-    if nodes is not None and nodes.compliance is not None:
+    if problem.rotor.compliance is not None:
         raise ValueError(
             'reduction.boundary = "consistent": contact of massless nodes with a flexible casing'
             " loses energy in proportion to the time step, so that longer steps change the motion"

@@ -55,7 +55,7 @@ class ComplianceOverSpeeds:
     interpolated by polynomials."""
 
     speeds: FloatArray  #: speeds [rad/s], (speeds,)
-    compliance: FloatArray  #: see `ContactNodes.compliance`, (speeds, copies, 3c, 3c)
+    compliance: FloatArray  #: see `ReducedRotor.compliance`, (speeds, copies, 3c, 3c)
 
     def at(self, speed: ArrayLike) -> FloatArray:
         """Return the compliance at speeds [rad/s] of any shape (...), (..., copies, 3c, 3c)."""

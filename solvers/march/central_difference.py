@@ -320,11 +320,8 @@ class CentralDifference:
         }
 
     def _node_records(self, written: int) -> dict[str, FloatArray]:
-        """Return motion and forces of contact nodes with their own flexibility, if there are
-        any."""
+        """Return motion and forces of contact nodes, with their own flexibility."""
         rotor, records = self._problem.rotor, self._records
-        if rotor.nodes is None:
-            return {}
         copies, tips, compliance = rotor.copies, len(rotor.tip_angle), rotor.compliance
         contact = rotor.contact
         components, modes = contact.shape

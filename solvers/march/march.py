@@ -112,36 +112,25 @@ class Chunk:
         """Return the place that passed the displacement limit of a contact problem, and its
         displacement, as texts.
 
-        The last record is still within the limit. The place is the contact node with the largest
-        displacement in any direction if displacements of contact nodes are recorded. Otherwise it
-        is found from displacements that are extrapolated by one step; it is unknown if the motion
-        of the casing is not recorded.
+        The last record is still within the limit: the place is found from displacements that are
+        extrapolated by one step. It is unknown if the motion of the casing is not recorded.
         """
-        if self.contact_displacement.size:
-            moved = self.contact_displacement[-1]
-            node, way = divmod(int(np.abs(moved).argmax()), moved.shape[1])
-            how = ("radially", "tangentially", "axially")[way]
-            who = f"contact node {arrays.node[node]} of blade {arrays.blade[node]}"
-            return who, f" ({moved[node, way]:.4g} m {how})"
         rotor, casing = problem.rotor, problem.casing
         if self.casing_displacement.shape[1] < len(casing.frequency):
             return "a tip or the casing", ""
-        largest, text = 0.0, ("", "")
-        for body, way, shapes in (
-            ("rotor", "radially", rotor.tip_radial),
-            ("rotor", "tangentially", rotor.tip_tangential),
-            ("casing", "radially", casing.nodal[:, 0]),
-        ):
-            moved = shapes @ getattr(self, f"{body}_displacement")[-1]
-            rate = shapes @ getattr(self, f"{body}_velocity")[-1]
-            ahead = np.abs(moved + time_step * rate)
-            place = int(ahead.argmax())
-            if ahead[place] >= largest:
-                angle = 360.0 * place / len(shapes)
-                name = f"blade {place}" if body == "rotor" else f"the casing at {angle:.4g}°"
-                text = name, f" ({moved[place]:.4g} m {way})"
-                largest = ahead[place]
-        return text
+        rates = [rotor.contact @ rate for rate in rotor.by_copy(self.rotor_velocity[-1])]
+        wall = casing.nodal[:, 0]
+        tips, wall_moved = self.contact_displacement[-1], wall @ self.casing_displacement[-1]
+        ahead = np.abs(tips + time_step * np.reshape(rates, tips.shape))
+        wall_ahead = np.abs(wall_moved + time_step * (wall @ self.casing_velocity[-1]))
+        if wall_ahead.max(initial=0.0) > ahead.max():
+            place = int(wall_ahead.argmax())
+            angle = 360.0 * place / len(wall)
+            return f"the casing at {angle:.4g}°", f" ({wall_moved[place]:.4g} m radially)"
+        node, way = divmod(int(ahead.argmax()), tips.shape[1])
+        how = ("radially", "tangentially", "axially")[way]
+        of_blade = f"contact node {arrays.node[node]} of " if np.any(arrays.node) else ""
+        return f"{of_blade}blade {arrays.blade[node]}", f" ({tips[node, way]:.4g} m {how})"
 
 
 PartT = TypeVar("PartT")

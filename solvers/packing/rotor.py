@@ -51,7 +51,7 @@ def blade_columns(rotor: ReducedRotor) -> BladeColumns | None:
     tips, modes = len(rotor.tip_angle), len(rotor.frequency)
     if rotor.by_harmonics:
         return tips, rotor.column
-    if rotor.nodes is None or rotor.copies > 1:
+    if rotor.copies > 1:
         return None
     for blades in blade_numbers(rotor.tip_angle):
         if blades >= modes:

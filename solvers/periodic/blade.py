@@ -54,7 +54,7 @@ class Blade:
     angle: FloatArray  #: angle of each contact node from +x at t = 0 [rad], (nodes,)
     radius: FloatArray  #: radius of each contact node [m], (nodes,)
     recess: FloatArray  #: see `ReducedRotor.tip_recess` [m], (nodes,)
-    normal_part: FloatArray  #: see `ContactNodes.normal_part`, (nodes,)
+    normal_part: FloatArray  #: see `ReducedRotor.normal_part`, (nodes,)
     clearance: FloatArray  #: clearance and its derivative by the arc length [m, 1], (angles, 2)
     wall_step: float  #: arc length between two of these angles [m]
     loads: Mapping[int, ComplexArray]
@@ -84,11 +84,10 @@ class Blade:
         Raises:
             ValueError: the method does not apply; the message names the reason.
         """
-        rotor, nodes = problem.rotor, problem.rotor.nodes
+        rotor = problem.rotor
         for reason in _obstacles(problem):
             raise ValueError(reason)
-        assert nodes is not None
-        assert nodes.compliance is not None
+        assert rotor.compliance is not None
         loads, every = _loads(problem), [problem, *others]
         orders = {
             order: np.zeros(rotor.by_copy(rotor.frequency).shape)
@@ -105,9 +104,9 @@ class Blade:
             stiffness=rotor.by_copy(rotor.stiffness)[copy],
             damping=rotor.velocity_forces[copy],
             contact=rotor.contact,
-            compliance=nodes.compliance[copy],
+            compliance=rotor.compliance[copy],
             angle=rotor.by_copy(rotor.tip_angle)[copy],
-            radius=nodes.radius,
+            radius=rotor.contact_radius,
             recess=rotor.by_copy(rotor.tip_recess)[copy],
             normal_part=rotor.by_copy(rotor.normal_part)[copy],
             clearance=_wall(problem),
@@ -161,7 +160,7 @@ def _obstacles(problem: ContactProblem) -> Iterable[str]:
     rotor = problem.rotor
     if problem.speed == 0.0:
         yield "the speed is 0, so that the motion has no period"
-    if rotor.nodes is None or rotor.nodes.compliance is None:
+    if rotor.compliance is None:
         yield 'contact nodes have mass; expected reduction.boundary = "massless"'
     if problem.casing.is_flexible:
         yield from _obstacles_in_ring(problem)
@@ -189,10 +188,9 @@ def _obstacles_in_ring(problem: ContactProblem) -> Iterable[str]:
     apart = rotor.by_copy(rotor.tip_angle) - rotor.tip_angle[: len(rotor.tip_radial)] - turn
     if np.abs(np.sin(0.5 * apart)).max() > ALIKE:
         yield "the blades in a flexible casing are not at equal angles"
-    assert rotor.nodes is not None
     own = [rotor.by_copy(rotor.frequency), rotor.by_copy(rotor.damping_ratio)]
-    if rotor.nodes.compliance is not None:
-        own.append(rotor.nodes.compliance)
+    if rotor.compliance is not None:
+        own.append(rotor.compliance)
     if any(np.abs(each - each[0]).max() > ALIKE * np.abs(each).max() for each in own):
         yield "the blades in a flexible casing differ; expected no mistuning"
     for order, each in _loads(problem).items():

@@ -181,8 +181,8 @@ def _deviations(
         closing = np.hstack([closing, -around * shape[:, 0]])
         pushing = np.vstack([pushing, -(around * (shape[:, 0] + way * shape[:, 1])).conj().T])
         axial = np.hstack([axial, np.zeros_like(around, dtype=np.float64)])
-    if problem.sliding == "full" and rotor.nodes is not None:
-        radius = np.tile(rotor.nodes.radius, rotor.copies)[: len(normal)]
+    if problem.sliding == "full":
+        radius = np.tile(rotor.contact_radius, rotor.copies)[: len(normal)]
         drag = (problem.friction * normal / np.abs(speed * radius))[touching, None]
     else:
         drag = np.zeros((len(axial), 1))
@@ -204,8 +204,7 @@ def _deviations(
 
 def _rows(rotor: ReducedRotor) -> FloatArray:
     """Return radial, tangential and axial displacements of all tips, (3, tips, modes)."""
-    axial = np.zeros_like(rotor.tip_radial) if rotor.nodes is None else rotor.nodes.axial
-    every = (rotor.tip_radial, rotor.tip_tangential, axial)
+    every = (rotor.tip_radial, rotor.tip_tangential, rotor.tip_axial)
     return np.stack([np.kron(np.eye(rotor.copies), rows) for rows in every])
 
 
@@ -213,9 +212,7 @@ def _elastic(rotor: ReducedRotor, row: int, forces: tuple[float, ...]) -> FloatA
     """Return displacements of tips in a direction by the residual flexibility of contact nodes, for
     forces on tips with components in the first directions [m/N], (tips, tips)."""
     tips = len(rotor.tip_angle)
-    if rotor.nodes is None or rotor.nodes.compliance is None:
+    if rotor.compliance is None:
         return np.zeros((tips, tips))
-    each = [
-        sum(f * own[row::3, k::3] for k, f in enumerate(forces)) for own in rotor.nodes.compliance
-    ]
+    each = [sum(f * own[row::3, k::3] for k, f in enumerate(forces)) for own in rotor.compliance]
     return np.asarray(la.block_diag(*each))

@@ -68,9 +68,8 @@ def _marched(problem: ContactProblem, motion: Motion, number: int) -> Motion | N
 def _alone(problem: ContactProblem, number: int) -> ContactProblem:
     """Return the problem of one of the blades of a stage in a rigid wall."""
     rotor = problem.rotor
-    nodes, modes = rotor.nodes, len(rotor.frequency) // rotor.copies
-    assert nodes is not None
-    assert nodes.compliance is not None
+    modes = len(rotor.frequency) // rotor.copies
+    assert rotor.compliance is not None
     own = slice(number * modes, (number + 1) * modes)
     one: ReducedRotor = replace(
         rotor,
@@ -82,7 +81,7 @@ def _alone(problem: ContactProblem, number: int) -> ContactProblem:
         column=rotor.column[own],
         dampers=rotor.dampers[:, own],
         copies=1,
-        nodes=replace(nodes, compliance=nodes.compliance[[number]]),
+        compliance=rotor.compliance[[number]],
     )
     loads = tuple(replace(load, rotor=load.rotor[own]) for load in problem.loads)
     start = replace(problem.start, rotor=np.zeros(modes), rotor_velocity=np.zeros(modes))

@@ -33,10 +33,12 @@ def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRot
         damping_ratio=np.zeros(modes),
         tip_radial=np.zeros((tips, modes)),
         tip_tangential=np.zeros((tips, modes)),
+        tip_axial=np.zeros((tips, modes)),
         centre=np.zeros((2, modes)),
         tip_angle=np.zeros(tips),
         tip_radius=1.0,
         tip_recess=np.zeros(tips),
+        contact_radius=np.ones(tips),
         column=np.full(modes, -1),
         dampers=np.zeros((0, modes)),
     )

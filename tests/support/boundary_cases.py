@@ -251,10 +251,9 @@ def pushes(p: ContactProblem, time: float) -> tuple[FloatArray, FloatArray]:
 
 def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
     """March in NumPy only: dense products, and Gauss-Seidel iterations for all nodes together."""
-    rotor, extra = p.rotor, p.rotor.nodes
-    assert extra is not None
+    rotor = p.rotor
     copies, (nodes, modes) = rotor.copies, rotor.tip_radial.shape
-    contact, flexibility = rotor.contact, extra.compliance
+    contact, flexibility = rotor.contact, rotor.compliance
     rows, count = contact.reshape(nodes, 3, -1), copies * nodes
     turning = np.zeros((modes, modes)) if rotor.by_velocity is None else rotor.by_velocity
     frequency, massless = rotor.by_copy(rotor.frequency), flexibility is not None
@@ -302,7 +301,7 @@ def plain(p: ContactProblem, dt: float, steps: int) -> dict[str, FloatArray]:
             bent = np.einsum("cij,cj->ci", flexibility, by_copy.reshape(copies, -1))
             change = change - bent.reshape(count, 3)
         change = change - on_wall @ (later - slow)
-        change[:, 1] += p.speed * np.tile(extra.radius, copies) * dt
+        change[:, 1] += p.speed * np.tile(rotor.contact_radius, copies) * dt
         gap = clearance_at(p, angle) + p.metal_recess - moved[:, 0]
         gap = gap + on_wall[:, 0] @ later
         rods: list[Rods] = []

@@ -138,6 +138,7 @@ def test_friction_changes_its_sign_with_the_speed() -> None:
         damping_ratio=np.zeros(2),
         tip_radial=np.array([[2.0**-0.5, 0.0]]),
         tip_tangential=np.array([[0.0, 2.0**-0.5]]),
+        tip_axial=np.zeros((1, 2)),
         centre=np.zeros((2, 2)),
         column=np.full(2, -1),
         dampers=np.zeros((0, 2)),

@@ -10,7 +10,6 @@ import pytest
 from symmetric_cases import write_parts
 
 import bladewhirl as bw
-from bladewhirl.models.stage.beam_rotor import with_contact_nodes
 from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.solvers.march.sudden_changes import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
@@ -74,7 +73,7 @@ def test_a_tip_under_a_load_stays_up_to_the_limit_of_friction() -> None:
     """Pulled with 0.9 and 1.1 of what friction holds: it stays, or slides."""
     base = pad_on_a_wall()
     body = replace(base.rotor, frequency=np.array([50.0, 0.0]))
-    base = replace(base, rotor=with_contact_nodes(body), sliding="full")
+    base = replace(base, rotor=body, sliding="full")
     start, moved = replace(base.start, rotor=np.array([1e-3, 0.0])), []
     for pull in (0.9, 1.1):
         load = Load(rotor=np.array([0.0, pull]), casing=np.zeros(1))
@@ -96,7 +95,7 @@ def test_friction_of_an_impact_stops_the_slip_at_most(speed: float) -> None:
     )
     thrown = {"rotor_velocity": np.array([speed, 0.0])}
     alone = problem(rotor, wall(1e-3), start=thrown, speed=10.0, friction=0.3, sliding="full")
-    scheme = make_scheme(replace(alone, rotor=with_contact_nodes(alone.rotor)), 1e-6, 1)
+    scheme = make_scheme(alone, 1e-6, 1)
     _, chunk, _ = scheme.advance(scheme.init(), 100)
     assert chunk.contact_impulse.sum() == pytest.approx(speed)
     assert chunk.friction_impulse.sum() == pytest.approx(min(0.3 * speed, 10.0))

@@ -18,7 +18,6 @@ import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import (
-    ContactNodes,
     ContactProblem,
     Load,
     ReducedCasing,
@@ -126,7 +125,9 @@ def round_disk(speed: float, friction: float, angle: FloatArray, local: float) -
         dampers=np.sqrt(2.0 * DAMPING) * np.eye(2),
         by_velocity=2.0 * speed * np.array([[0.0, -1.0], [1.0, 0.0]]),
         circulation=2.0 * DAMPING * speed,
-        nodes=ContactNodes(axial=np.zeros((tips, 2)), radius=np.ones(tips), compliance=compliance),
+        tip_axial=np.zeros((tips, 2)),
+        contact_radius=np.ones(tips),
+        compliance=compliance,
     )
     return ContactProblem(
         rotor=rotor,
