@@ -44,7 +44,8 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import KernelState

@@ -7,8 +7,8 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray, chain_to
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BeamMatrices, BladedDiskModel
 from bladewhirl.models.modal.modes import Modes
-from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.export import BLADES
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.structure.eigenproblems import modal_damping
 
 ROUNDING = 1e-11

@@ -29,15 +29,12 @@ from bladewhirl.models.stage.beam_rotor import boundary_sets, reduced_rotor, sti
 from bladewhirl.models.stage.bending import foreshortening, foreshortening_faults
 from bladewhirl.models.stage.blade_loss import beams_after_loss
 from bladewhirl.models.stage.coating import beam_footprint
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Foreshortening,
-    LostBlades,
-    ReducedRotor,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.engine_order import unit_forces
 from bladewhirl.models.stage.export import part_superelement, wheel_superelement
+from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.speed_change import inertia_of, modes_at_speed, static_state
 from bladewhirl.models.stage.stage import BladeStiffness, Stage, Turning
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies

@@ -11,7 +11,7 @@ from bladewhirl.models.elements.foreshortening import blade_beams, drawback, few
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.modes import Modes
-from bladewhirl.models.stage.contact_problem import Foreshortening
+from bladewhirl.models.stage.foreshortening import Foreshortening
 
 NEGLECTED = 1e-6
 """Terms of a quadratic form are neglected if they are below this fraction of the largest term when

@@ -38,15 +38,11 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.modes import collect_modes
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.stage.beam_rotor import reduced_rotor
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Foreshortening,
-    Load,
-    LostBlades,
-    ReducedRotor,
-    Start,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.excitations import excitation_loads, felt
+from bladewhirl.models.stage.foreshortening import Foreshortening
+from bladewhirl.models.stage.modal_loads import Load, Start
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.speed_change import (
     inertia_of,
     modes_at_speed,

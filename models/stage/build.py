@@ -18,17 +18,14 @@ from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.coating import rod_faults
 from bladewhirl.models.stage.cone import wall_share
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Load,
-    WallClosure,
-    critical_time_step,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, critical_time_step
 from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.fused_support import with_fused_support
 from bladewhirl.models.stage.loads import initial_state
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.speed_change import with_speed_over_time
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.wall import WallClosure
 
 Buildable = Case | Stage  #: what `build_stage` accepts
 

@@ -12,10 +12,7 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.fields import MOST
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.stage.contact_problem import (
-    WallCoating,
-    rod_angles,
-)
+from bladewhirl.models.stage.wall_coating import WallCoating, rod_angles
 from bladewhirl.models.superelements.superelement import Superelement
 
 PER_FOOTPRINT = 4  #: by default, a footprint covers more than this number of rods

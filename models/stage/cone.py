@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.wall import ReducedCasing
 
 Rows = TypeVar("Rows", FloatArray, ComplexArray)
 

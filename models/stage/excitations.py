@@ -23,7 +23,7 @@ from bladewhirl.models.case.excitation import (
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.stage import Stage
 

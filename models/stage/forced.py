@@ -11,9 +11,9 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL
-from bladewhirl.models.stage.contact_problem import ReducedRotor
 from bladewhirl.models.stage.excitations import by_order, forces_of_order
 from bladewhirl.models.stage.loads import blade_means
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.stage import Stage
 
 EngineOrders = Sequence[EngineOrder]

@@ -13,13 +13,9 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    FusedSupport,
-    Load,
-    LostBlades,
-    ReducedRotor,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, FusedSupport, LostBlades
+from bladewhirl.models.stage.modal_loads import Load
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.structure.rotating import of_modes
 

@@ -12,8 +12,8 @@ from bladewhirl.meshes.plane import unit
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.contact_problem import Start
 from bladewhirl.models.stage.excitations import direction, unbalance_of
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.stage import Stage
 
 RANK, SAME = 1e-10, 1e-6

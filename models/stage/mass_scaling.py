@@ -14,7 +14,8 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import W_SLOPE, W
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.wall import ReducedCasing
 
 MASS_CHANGE = 0.03
 """Largest decrease, relative and on average around the casing, of the inverse mass on which a force

@@ -20,9 +20,10 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.blade_loss import copies_after_loss
 from bladewhirl.models.stage.coating import node_footprint, tip_thickness
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes, slopes
-from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.engine_order import mean_along
 from bladewhirl.models.stage.loads import blade_means
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.speed_change import compliance_over_speeds
 from bladewhirl.models.stage.stage import BladeStiffness, Stage, Turning

@@ -11,7 +11,7 @@ from bladewhirl.models.elements.build import case_casing, case_clearance
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.modal.describe import casing_arrays
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, no_modes
-from bladewhirl.models.stage.contact_problem import ReducedCasing
+from bladewhirl.models.stage.wall import ReducedCasing
 
 GRID = 4096
 """Number of angles at which a rigid wall is tabulated; more if its profile has many points."""

@@ -33,8 +33,9 @@ from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.stage.cone import compliance_in_wall_axes
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.excitations import felt
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.varying_speed import (
     ComplianceOverSpeeds,

@@ -20,17 +20,14 @@ from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.coating import coating_of
 from bladewhirl.models.stage.cone import in_cone
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Foreshortening,
-    LostBlades,
-    ReducedCasing,
-    ReducedRotor,
-    WallCoating,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
+from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.kept_modes import KeptModes
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.varying_speed import ComplianceOverSpeeds
+from bladewhirl.models.stage.wall import ReducedCasing
+from bladewhirl.models.stage.wall_coating import WallCoating
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 

@@ -5,7 +5,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import is_pair
-from bladewhirl.models.stage.contact_problem import ReducedRotor
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.structure.eigenproblems import gyroscopic_eigen
 
 STANDS = 1e-6

@@ -6,7 +6,8 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import (
     Arrays,

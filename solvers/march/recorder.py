@@ -18,7 +18,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.stage.contact_problem import WallCoating, rod_angles
+from bladewhirl.models.stage.wall_coating import WallCoating, rod_angles
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords, coating_steps, joined
 from bladewhirl.solvers.march.schema import (
     COATING,

@@ -12,12 +12,8 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.stage.contact_problem import (
-    Aftermath,
-    ContactProblem,
-    LostBlades,
-    Start,
-)
+from bladewhirl.models.stage.contact_problem import Aftermath, ContactProblem, LostBlades
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.solvers.kernel.structs import lib
 from bladewhirl.solvers.march.central_difference import CentralDifference

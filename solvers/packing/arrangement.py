@@ -8,7 +8,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair
-from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.structure.dft import nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 

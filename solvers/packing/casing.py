@@ -4,11 +4,8 @@ Arrays of its closure and of its coating."""
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    ReducedCasing,
-    WallClosure,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.wall import ReducedCasing, WallClosure
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib
 from bladewhirl.solvers.packing.arrangement import (
     FIT,

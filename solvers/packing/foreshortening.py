@@ -3,7 +3,8 @@
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics, lengthened
 from bladewhirl.solvers.packing.rotor import rotor_inverses

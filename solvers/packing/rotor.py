@@ -4,7 +4,8 @@ each copy. Arrays for the coupling of its modes by Coriolis forces and damping."
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.structure.dft import real_dft
 from bladewhirl.models.superelements.diameters import blade_numbers, by_diameter
 from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, lib, padded

@@ -33,7 +33,9 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import Matrix, companion
-from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, Load, around_wall
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import NEVER, Load
+from bladewhirl.models.stage.wall import around_wall
 from bladewhirl.solvers.periodic.ring import Ring
 
 DIRECTIONS = 3  #: radial, tangential, axial

@@ -31,7 +31,9 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import companion
-from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import NEVER
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.solvers.periodic.blade import obstacles_over_time
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.ring import Ring

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.stage.contact_problem import ReducedCasing, around_wall
+from bladewhirl.models.stage.wall import ReducedCasing, around_wall
 
 PER_ELEMENT = 8  #: angles per element at which shapes of the casing are expanded
 FAINT = 1e-9  #: harmonics of a mode below this fraction of the largest, squared, are left out

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import DIRECTIONS, Grid
 from bladewhirl.solvers.periodic.contact import Motion

@@ -14,8 +14,10 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import build_stage, contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.postprocess.periodic.dataset import BRANCH_NAME, open_branch
 from bladewhirl.solvers.periodic.blade import DIRECTIONS, Blade, Grid, lasts
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged

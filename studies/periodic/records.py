@@ -11,7 +11,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
-from bladewhirl.models.stage.contact_problem import NEVER, Start
+from bladewhirl.models.stage.modal_loads import NEVER, Start
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.solvers.march.schema import RESULT_NAME

@@ -15,10 +15,11 @@ from bladewhirl.models.modal.modes import ModeTable
 from bladewhirl.models.stage.basis_error import basis_error
 from bladewhirl.models.stage.beams import Beams
 from bladewhirl.models.stage.build import steady_problem
-from bladewhirl.models.stage.contact_problem import WallCoating, critical_time_step
+from bladewhirl.models.stage.contact_problem import critical_time_step
 from bladewhirl.models.stage.excitations import radial_mode, unbalance_to_touch
 from bladewhirl.models.stage.loads import imbalance_force, unbalance, unbalance_direction
 from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.stage.wall_coating import WallCoating
 from bladewhirl.solvers.march.recorder import result_bytes
 
 TURN = 2.0 * np.pi

@@ -19,7 +19,8 @@ from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import DONE, flag
 from bladewhirl.studies.sweeps.starts import begun

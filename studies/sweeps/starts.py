@@ -10,7 +10,8 @@ import numpy as np
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.stage.contact_problem import NEVER, ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import NEVER, Start
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.sweep.dataset import flag
 from bladewhirl.studies.sweeps.axes import Grid, Value

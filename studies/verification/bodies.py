@@ -12,13 +12,10 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Load,
-    ReducedCasing,
-    ReducedRotor,
-    at_rest,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load, at_rest
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.sudden_changes import make_scheme
 

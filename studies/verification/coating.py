@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, ReducedCasing, WallCoating
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
+from bladewhirl.models.stage.wall import ReducedCasing
+from bladewhirl.models.stage.wall_coating import WallCoating
 from bladewhirl.postprocess.run.wear import lobe_shares
 from bladewhirl.solvers.march.march import Chunk, CoatingRecords
 from bladewhirl.studies.verification.bodies import (

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
     Bar,

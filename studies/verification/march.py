@@ -8,7 +8,8 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
     default_stage,

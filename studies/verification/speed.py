@@ -20,8 +20,9 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.fused_support import with_fuse
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.studies.verification.bodies import (

@@ -12,11 +12,9 @@ from bladewhirl.models.case.case import case_from
 from bladewhirl.models.stage.build import contact_problem, steady_problem
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.build_matrices import build_matrices
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    ReducedCasing,
-    ReducedRotor,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.reduction import consistent, massless
 from bladewhirl.models.superelements.superelement import Superelement

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.studies.verification.bodies import (
     default_stage,
     marched,

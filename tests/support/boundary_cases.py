@@ -9,14 +9,12 @@ import scipy.optimize as so
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    ReducedCasing,
-    ReducedRotor,
-    Start,
-    WallCoating,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import flexible_ring
+from bladewhirl.models.stage.wall import ReducedCasing
+from bladewhirl.models.stage.wall_coating import WallCoating
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk
 

@@ -11,7 +11,8 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk, EndReason, KernelState
 from bladewhirl.studies.verification.bodies import (

@@ -27,15 +27,12 @@ from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Foreshortening,
-    FusedSupport,
-    Load,
-    WallClosure,
-    WallCoating,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem, FusedSupport
+from bladewhirl.models.stage.foreshortening import Foreshortening
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
+from bladewhirl.models.stage.wall import WallClosure
+from bladewhirl.models.stage.wall_coating import WallCoating
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.solvers.kernel import structs
 from bladewhirl.solvers.march.central_difference import CentralDifference

@@ -30,8 +30,9 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, rod_angles
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.varying_speed import Rotation
+from bladewhirl.models.stage.wall_coating import rod_angles
 from bladewhirl.solvers.march.march import (
     Chunk,
     CoatingRecords,

@@ -9,7 +9,8 @@ from contact_cases import problem, run, run_reference, small_casing, small_rotor
 from places import ROOT
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 
 ERRATA = " ".join((ROOT / "docs" / "errata.md").read_text(encoding="utf-8").split())
 

@@ -6,13 +6,13 @@ from stages import stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.beams import Beams
-from bladewhirl.models.stage.contact_problem import Load
 from bladewhirl.models.stage.excitations import excitation_loads, radial_mode
 from bladewhirl.models.stage.loads import (
     imbalance_force,
     initial_state,
     unbalance,
 )
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.varying_speed import Rotation
 
 SUPPORT = 7.975e6

@@ -8,7 +8,7 @@ from places import EXAMPLES
 
 import bladewhirl as bw
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import Foreshortening
+from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage

@@ -8,13 +8,10 @@ import pytest
 from boundary_cases import advanced, assert_plain, bladed, casing, coating, rubbing
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Load,
-    ReducedCasing,
-    ReducedRotor,
-    Start,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load, Start
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import EndReason
 

@@ -17,7 +17,8 @@ from contact_cases import (
 )
 from scipy.interpolate import CubicHermiteSpline
 
-from bladewhirl.models.stage.contact_problem import Load, ReducedCasing
+from bladewhirl.models.stage.modal_loads import Load
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.solvers.march.march import Chunk
 
 Sliding = Literal["permanent", "signed"]

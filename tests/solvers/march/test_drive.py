@@ -12,8 +12,10 @@ from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, WallClosure
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
+from bladewhirl.models.stage.wall import WallClosure
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import marched, point_mass

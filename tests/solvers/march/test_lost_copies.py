@@ -11,7 +11,8 @@ import rod_blade
 import bladewhirl as bw
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import build_stage
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.checkpoint import state_arrays, state_from
 from bladewhirl.solvers.march.march import Chunk, KernelState

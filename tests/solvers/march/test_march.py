@@ -15,7 +15,8 @@ from contact_cases import (
 )
 
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.march import CHUNK_STEPS, EndReason, KernelState, joined, march
 from bladewhirl.solvers.march.schema import HISTORY

@@ -18,13 +18,10 @@ from boundary_cases import (
 )
 
 from bladewhirl.models.case.closure import Closure
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    ReducedCasing,
-    ReducedRotor,
-    Start,
-    WallClosure,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Start
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.wall import ReducedCasing, WallClosure
 
 
 def still_node(*depths: float, footprint: float = 0.01) -> ContactProblem:

@@ -10,7 +10,7 @@ import pytest
 from symmetric_cases import write_parts
 
 import bladewhirl as bw
-from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.march.sudden_changes import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory

@@ -17,13 +17,10 @@ from places import ROOT
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.build import build_stage, contact_problem
-from bladewhirl.models.stage.contact_problem import (
-    ContactProblem,
-    Load,
-    ReducedCasing,
-    ReducedRotor,
-    Start,
-)
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load, Start
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.solvers.periodic.corotating import _deviations as deviations
 from bladewhirl.solvers.periodic.corotating import _rows as rows
 from bladewhirl.solvers.periodic.corotating import corotating_contact, obstacles

@@ -11,7 +11,7 @@ from boundary_cases import bladed
 from periodic_cases import decay, marched, rub, states, twisted_blade
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import (
     Motion,

@@ -9,7 +9,8 @@ from periodic_cases import case, decay, rub
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.build import build_stage, contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.periodic.blade import Blade, Grid
 from bladewhirl.solvers.periodic.contact import Motion

@@ -11,7 +11,7 @@ from sweep_work import InProcess, Killed, assert_carried_on, same_bits
 
 import bladewhirl as bw
 from bladewhirl.models.stage.build import build_stage
-from bladewhirl.models.stage.contact_problem import NEVER, Load
+from bladewhirl.models.stage.modal_loads import NEVER, Load
 from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory

@@ -1,0 +1,139 @@
+"""The wall around a bladed disk: a ring in its modes or rigid, and clearance that is lost."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bladewhirl.meshes.hermite import cubic_weights
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.closure import Closure
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedCasing:
+    """A casing in modal coordinates in the static frame; a rigid wall has no modes."""
+
+    frequency: FloatArray  #: natural frequency [rad/s], (modes,)
+    damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
+    nodal: FloatArray
+    """Radial displacement w, tangential displacement u and their derivatives by the arc length s at
+    each node, in the order w, dw/ds, u, du/ds [kg^-1/2], (nodes, 4, modes)."""
+    clearance: FloatArray  #: clearance and its derivative by s at each node [m, 1], (nodes, 2)
+    radius: float  #: radius of the ring [m]
+    column: IntArray
+    """Column of the discrete Fourier transform over the nodes to which the shape of each mode
+    belongs, (modes,); -1 without symmetry."""
+    dampers: FloatArray
+    """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
+
+    @classmethod
+    def rigid(cls, clearance: FloatArray, radius: float) -> "ReducedCasing":
+        """Return a rigid wall.
+
+        Args:
+            clearance: clearance and its derivative by the arc length at equal angles, (nodes, 2).
+            radius: radius of the wall [m].
+        """
+        none = np.zeros(0)
+        return cls(
+            frequency=none,
+            damping_ratio=none,
+            nodal=np.zeros((len(clearance), 4, 0)),
+            clearance=clearance,
+            radius=radius,
+            column=np.zeros(0, dtype=np.int64),
+            dampers=np.zeros((0, 0)),
+        )
+
+    @property
+    def is_flexible(self) -> bool:
+        """True if the casing has modes."""
+        return len(self.frequency) > 0
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angle of each node from +x [rad], (nodes,)."""
+        nodes = len(self.nodal)
+        return np.asarray(2.0 * np.pi * np.arange(nodes) / nodes)
+
+    @property
+    def element_length(self) -> float:
+        """Arc length of one element [m]."""
+        return 2.0 * np.pi * self.radius / len(self.nodal)
+
+    @property
+    def by_harmonics(self) -> bool:
+        """True if time integration treats each harmonic separately.
+
+        This needs symmetry, and more modes than nodes; with fewer modes dense products are faster.
+        """
+        return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
+
+    def shapes_at(self, angle: FloatArray) -> FloatArray:
+        """Return the radial and tangential displacements at angles [rad] for unit modal
+        coordinates [kg^-1/2], (angles, 2, modes)."""
+        found = np.zeros((len(angle), 2, len(self.frequency)))
+        for direction, rows in enumerate((slice(0, 2), slice(2, 4))):
+            for mode in range(len(self.frequency)):
+                field = self.nodal[:, rows, mode]
+                found[:, direction, mode] = around_wall(field, self.element_length, angle)
+        return found
+
+    def take(self, modes: IntArray) -> "ReducedCasing":
+        """Return the casing with the chosen modes."""
+        if len(modes) == len(self.frequency):
+            return self
+        return replace(
+            self,
+            frequency=self.frequency[modes],
+            damping_ratio=self.damping_ratio[modes],
+            nodal=self.nodal[..., modes],
+            column=self.column[modes],
+            dampers=self.dampers[:, modes],
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallClosure:
+    """Clearance that is lost over time."""
+
+    course: Closure  #: closure over time
+    share: FloatArray
+    """Closure at each node divided by that of `course`, and the derivative of this ratio by the arc
+    length s [1, 1/m], (nodes, 2)."""
+
+    @classmethod
+    def around(
+        cls, course: Closure | None, wall: ReducedCasing, normal: float
+    ) -> "WallClosure | None":
+        """Return the closure around a wall, whose radial lengths have the part `normal` across it;
+        None if `course` is None."""
+        if course is None:
+            return None
+        share = [course.around.value(wall.angle), course.around.slope(wall.angle) / wall.radius]
+        return cls(course=course, share=normal * np.column_stack(share))
+
+    def at(self, time: float) -> FloatArray:
+        """Return the closure and its derivative by s at each node [m, 1], (nodes, 2)."""
+        return np.asarray(self.course.value(time) * self.share)
+
+
+def around_wall(field: FloatArray, length: float, angle: FloatArray) -> FloatArray:
+    """Return a field on the wall at angles by Hermite interpolation, in the shape of the angles.
+
+    Args:
+        field: value and derivative by the arc length at equally spaced angles, (nodes, 2).
+        length: arc length between two of these angles [m].
+        angle: angles from +x [rad], any shape.
+    """
+    nodes = len(field)
+    position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
+    element = position.astype(np.int64) % nodes
+    first, second = field[element], field[(element + 1) % nodes]
+    at = cubic_weights(position - np.floor(position), length)
+    return np.asarray(
+        at[0] * first[..., 0]
+        + at[1] * first[..., 1]
+        + at[2] * second[..., 0]
+        + at[3] * second[..., 1]
+    )
