@@ -110,7 +110,7 @@ def main():
     view.ViewTime = time
     simple.GetAnimationScene().AnimationTime = time
     shown, arrows = simple.Show(warp, view), simple.Show(glyph, view)
-    surface = rest["rotor"].GetCell(0).GetCellDimension() == 2
+    surface = rest["rotor"].GetCell(0).GetCellDimension() == 3
     simple.ColorBy(shown, ("POINTS", "surface_stress"))
     simple.Render(view)
     shown.RescaleTransferFunctionToDataRange(False, True)

@@ -62,36 +62,23 @@ class Boxes:
         height = np.broadcast_to(ends * self.width[..., None], place.shape[:-1])
         return np.concatenate([place, height[..., None]], axis=-1).reshape(-1, 3)
 
-    def lines(self) -> IntArray:
-        """Return the pieces (piece, 2) of bodies drawn as lines, element by element."""
-        elements, stations = self.shape
-        first = stations * np.arange(elements)[:, None] + np.arange(stations - 1)
-        return np.stack([first, first + 1], axis=-1).reshape(-1, 2)
+    def cells(self) -> IntArray:
+        """Return the corners of the pieces, element by element: hexahedra (piece, 8), in the order
+        of VTK, or lines (piece, 2)."""
+        (elements, stations), corner = self.shape, np.arange(4 if self.solid else 1)
+        along, normal = self.line[0, 1] - self.line[0, 0], self.normal[0, 0]
+        if along[0] * normal[1] - along[1] * normal[0] < 0:  # mirrored
+            corner = corner[::-1]
+        each = len(corner)
+        first = each * (stations * np.arange(elements)[:, None] + np.arange(stations - 1))
+        both = np.concatenate([corner, corner + each])
+        return np.asarray(first[..., None] + both).reshape(-1, 2 * each)
 
     def on_cells(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return values of elements (element,), or of their pieces (element, piece), as values of
-        the cells of `lines` or `quads`."""
+        the cells."""
         elements, stations = self.shape
-        pieces = np.broadcast_to(values.reshape(elements, -1), (elements, stations - 1))
-        if not self.solid:
-            return pieces.ravel()
-        return np.concatenate([np.repeat(pieces, 4), pieces[:, 0], pieces[:, -1]])
-
-    def quads(self) -> IntArray:
-        """Return faces of boxes (quad, 4): first all sides, then all ends; the corners are in
-        counter-clockwise order if the face is seen from outside."""
-        elements, stations = self.shape
-        first = 4 * (stations * np.arange(elements)[:, None] + np.arange(stations - 1))[..., None]
-        corner = np.arange(4)
-        following = np.roll(corner, -1)
-        ring = np.stack([corner, following, following + 4, corner + 4], axis=1)
-        sides = (first[..., None] + ring).reshape(-1, 4)
-        begin = 4 * stations * np.arange(elements)[:, None] + corner[::-1]
-        end = 4 * stations * np.arange(elements)[:, None] + 4 * (stations - 1) + corner
-        quads: IntArray = np.vstack([sides, begin, end])
-        along, normal = self.line[0, 1] - self.line[0, 0], self.normal[0, 0]
-        mirrored = along[0] * normal[1] - along[1] * normal[0] < 0
-        return quads[:, ::-1] if mirrored else quads
+        return np.broadcast_to(values.reshape(elements, -1), (elements, stations - 1)).ravel()
 
     def vectors(self, dataset: xr.Dataset, quantity: str, records: IntArray) -> Array:
         """Return displacement [m] or velocity [m/s] (record, corner, 2) in the axes of the body."""

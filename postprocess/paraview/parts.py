@@ -28,7 +28,7 @@ from bladewhirl.postprocess.paraview.boxes import (
     casing_boxes,
     rotor_boxes,
 )
-from bladewhirl.postprocess.pictures.solids import CORNERS, tube, tube_triangles
+from bladewhirl.postprocess.pictures.solids import CORNERS, tube
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
 #: kinds of symbols that are written; struts include rigid links
@@ -69,15 +69,16 @@ class StageParts:
         # In portions, so that memory does not grow with the number of records.
         self._portions = np.array_split(records, -(-len(records) // PORTION))
         stages = (self._enlarged(portion, exaggeration) for portion in self._portions)
-        factors, largest = zip(*((s.factor, s.largest_displacement) for s in stages), strict=True)
+        factors, largest = zip(*((each.factor, _largest(each)) for each in stages), strict=True)
         self.exaggeration: float = min(factors)
-        self.largest_displacement: float = max(largest)  #: over all records [m]
+        #: largest deformation of rotor and casing, and wear of the coating, over all records [m]
+        self.largest = dict(
+            zip(("rotor", "casing", "coating"), np.max(largest, axis=0).tolist(), strict=True)
+        )
         #: the first record, with the true and with the enlarged clearance
         self._still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
-        self._true = true = self._still[0]
+        self._true, self.drawn = true, _ = self._still
         self.body = body = true.body  #: points of the bladed disk at rest
-        self.size = true.size if body.flat else float(np.ptp(body.rest, axis=0).max()) / 2.0
-        """Half the size of the stage [m]."""
         self._beams: Boxes | None = None
         if body.flat:
             self._beams = replace(rotor_boxes(dataset, self._pieces), solid=surface)
@@ -168,9 +169,9 @@ class StageParts:
             first = len(body.rest) - body.thickness.size
             gone = np.isin(first + len(line[0]) * np.arange(len(line)), lost)
             kept = boxes.on_cells(~gone)
-            kind, cells = ("quad", boxes.quads()) if boxes.solid else ("line", boxes.lines())
+            kind, cells = "hexahedron" if boxes.solid else "line", boxes.cells()
             of_cells = {name: boxes.on_cells(values) for name, values in element.items()}
-        fields["warp"] = rotate(drawn - rest, turn)
+        fields |= _drawn(rest, drawn, fields["displacement"], stage.centre[index], turn)
         shown = {name: [values[kept]] for name, values in of_cells.items()}
         return meshio.Mesh(rotate(rest, turn), [(kind, cells[kept])], fields, shown)
 
@@ -202,7 +203,8 @@ class StageParts:
         rest, drawn = self._ring(stage, faces, stage.edges, self._around)
         spin = -rotation.speeds(self._dataset)[record] if self._rotating else 0.0
         fields = self._strained(boxes, rest, np.array([record]), spin, turn)
-        fields["warp"] = rotate(drawn - rest, turn)
+        shift = stage.ring_displacement[index].mean(axis=0)
+        fields |= _drawn(rest, drawn, fields["displacement"], shift, turn)
         elements = boxes.shape[0]
         of_cells = {
             "part": np.full(elements, self.names.index("casing")),
@@ -211,7 +213,7 @@ class StageParts:
         }
         return meshio.Mesh(
             rotate(rest, turn),
-            [("quad", boxes.quads())],
+            [("hexahedron", boxes.cells())],
             fields,
             {name: [boxes.on_cells(values)] for name, values in of_cells.items()},
         )
@@ -230,7 +232,11 @@ class StageParts:
             depth = stage.wear[index, track] if track >= 0 else np.zeros(len(stage.angle))
             worn = new[0], self._face(stage, index, depth, outer=False)[1]
             rest, drawn = self._ring(stage, [worn, metal], edges, stations)
-            cells.append(len(rest) * len(places) + tube_triangles(len(depth), ring=True)[:, ::-1])
+            ahead = np.roll(stations, -1)  # inside out, as axial positions come after radii
+            ends = [
+                CORNERS * each[:, None] + np.arange(CORNERS)[::-1] for each in (stations, ahead)
+            ]
+            cells.append(len(rest) * len(places) + np.hstack(ends))
             tracks.append(np.full(len(cells[-1]), track))
             left = np.repeat(np.stack([depth, stage.coating - depth]), CORNERS, axis=1)
             whole = np.repeat(moved, CORNERS, axis=0)
@@ -242,7 +248,7 @@ class StageParts:
         joined["warp"] = rotate(np.concatenate(shifts), turn)
         return meshio.Mesh(
             rotate(np.concatenate(places), turn),
-            [("triangle", np.concatenate(cells))],
+            [("hexahedron", np.concatenate(cells))],
             joined,
             {"track": [np.concatenate(tracks)]},
         )
@@ -344,6 +350,20 @@ def _fields(
         **others,
     }
     return fields if rate is None else {**fields, "velocity": rotate(rate, turn)}
+
+
+def _drawn(rest: Array, drawn: Array, moved: Array, shift: Array, turn: float) -> dict[str, Array]:
+    """Return `deformation`, the displacement without the `shift` of the body (2,), and `warp` of
+    points, in axes that have turned by an angle [rad], as the displacement `moved` has."""
+    rigid = np.append(rotate(shift, turn), 0.0)
+    return {"deformation": moved - rigid, "warp": rotate(drawn - rest, turn)}
+
+
+def _largest(stage: EnlargedStage) -> tuple[float, float, float]:
+    """Return the largest deformation of rotor and casing, and wear of the coating [m]."""
+    ring = stage.ring_displacement - stage.ring_displacement.mean(axis=1, keepdims=True)
+    wall = float(np.linalg.norm(ring, axis=-1).max())
+    return stage.largest_bend, wall, float(np.max(stage.wear, initial=0.0))
 
 
 def _in_space(vectors: Array) -> Array:

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.meshes.plane import directions
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     contact_forces,
@@ -28,14 +30,28 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import StageParts
-from bladewhirl.postprocess.pictures.bodies import TOWARDS
-from bladewhirl.postprocess.pictures.colouring import is_normalised
+from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, opening
+from bladewhirl.postprocess.pictures.choices import View
+from bladewhirl.postprocess.pictures.colouring import is_normalised, scale_end
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
 
 logger = logging.getLogger(__name__)
 
 #: line of view.py that is replaced by the description of the series
 FILL = "SERIES: dict[str, Any] = {}"
 INDEX = "series.pvd"  #: name of the index of a series
+
+METRES = ("displacement", "radial_displacement", "deformation", "warp", "gap", "wear")
+UNITS: Mapping[str, str] = {
+    **dict.fromkeys((*METRES, "remaining_thickness"), "m"),
+    **dict.fromkeys(("axial_strain", "bending_strain"), "1"),
+    **dict.fromkeys(("axial_stress", "bending_stress", "surface_stress"), "Pa"),
+    "von_mises_stress": "Pa",
+    "velocity": "m/s",
+    "contact_force": "N",
+    **dict.fromkeys(("rotor", "casing", "tips", "centre", "blade"), "1"),
+}
+"""Units of the arrays on points."""
 
 Progress = Callable[[int, int], None]
 
@@ -67,6 +83,8 @@ def export_vtk(
     * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of the
       displacement vector, without the velocity due to the rotation of the undeformed disk; that of
       contact nodes is without the part of their own flexibility.
+    * `deformation` [m]: the displacement without that of the centre, or without the mean of the
+      wall.
     * `radial_displacement` [m]: displacement along the outward radius; zero at the centre.
     * of beams and of the wall `axial_strain`, `bending_strain` [1], `axial_stress`,
       `bending_stress` [Pa] (`strains`), and `surface_stress` [Pa], the sum of axial and bending
@@ -83,7 +101,8 @@ def export_vtk(
 
     `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp
     By Vector with `warp` and factor 1 shows displacement and clearance multiplied by `exaggeration`
-    (chosen when None); in this view bodies touch exactly when they touch in the run. With
+    (chosen when None); in this view bodies touch exactly when they touch in the run. Units and
+    the exaggeration are FieldData. With
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
@@ -104,7 +123,9 @@ def export_vtk(
             logger.info(hint)
     look: dict[str, Any] = {"surface": surface, "rotating": rotating, "exaggeration": exaggeration}
     parts = StageParts(dataset, records, **look)
-    others: dict[str, meshio.Mesh | str] = {"view.py": view_script(_about(dataset, records, parts))}
+    others: dict[str, meshio.Mesh | str] = {
+        "view.py": view_script(_about(dataset, records, parts, **look))
+    }
     if parts.body.flat:
         others["mesh.vtu"] = undeformed_mesh(dataset)
     return write_series(
@@ -113,6 +134,7 @@ def export_vtk(
         dataset["time"].values[records],
         parts.grids(),
         others,
+        parts.exaggeration,
         overwrite=overwrite,
         progress=progress,
     )
@@ -124,8 +146,10 @@ def view_script(about: Mapping[str, Any]) -> str:
     return script.replace(FILL, f"SERIES: dict[str, Any] = {pformat(about)}")
 
 
-def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
-    """Write a mesh as a binary .vtu file in single precision; all cells have the same type."""
+def write_vtu(path: Path, mesh: meshio.Mesh, exaggeration: float) -> None:
+    """Write a mesh as a binary .vtu file in single precision; all cells have the same type. The
+    exaggeration is an array of its FieldData, and so is each array on points with its unit, such as
+    `gap [m]`, of the value 1."""
     ((kind, cells),) = ((block.type, block.data) for block in mesh.cells)
     single = meshio.Mesh(
         _single(mesh.points),
@@ -134,6 +158,17 @@ def write_vtu(path: Path, mesh: meshio.Mesh) -> None:
         {name: [_single(values)] for name, (values,) in mesh.cell_data.items()},
     )
     meshio.write(path, single, "vtu", binary=True, compression=None)
+    units = {f"{name} [{UNITS[name]}]": 1.0 for name in mesh.point_data}
+    fields = [
+        f'<DataArray type="Float64" Name="{name}" NumberOfTuples="1" format="ascii">{value!r}'
+        for name, value in {"exaggeration": exaggeration, **units}.items()
+    ]
+    grid = "<UnstructuredGrid>"
+    told = f"{grid}<FieldData>{'</DataArray>'.join([*fields, ''])}</FieldData>"
+    text = path.read_bytes().replace(grid.encode(), told.encode(), 1)
+    if "warp" in mesh.point_data:  # ParaView's filter chooses it
+        text = text.replace(b"<PointData>", b'<PointData Vectors="warp">', 1)
+    path.write_bytes(text)
 
 
 def _single(values: NDArray[Any]) -> NDArray[Any]:
@@ -146,13 +181,14 @@ def write_series(
     times: NDArray[np.float64],
     instants: Iterable[Mapping[str, meshio.Mesh]],
     others: Mapping[str, meshio.Mesh | str],
+    exaggeration: float,
     *,
     overwrite: bool,
     progress: Progress | None,
 ) -> Path:
     """Write a series: first the files `others`, then the grids of the parts at each of the `times`
     [s]; return the path of the index. `others` maps names of files, `instants` names of parts to
-    contents.
+    contents; `exaggeration` is for each file.
 
     See `export_vtk` for `overwrite`, `progress` and the frames of an earlier series.
     """
@@ -171,11 +207,11 @@ def write_series(
             if isinstance(other, str):
                 draft.write_text(other, encoding="utf-8")
             else:
-                write_vtu(draft, other)
+                write_vtu(draft, other, exaggeration)
     for frame, (time, grids) in enumerate(zip(times.tolist(), instants, strict=True)):
         for number, (name, grid) in enumerate(grids.items()):
             file = name_of(name, frame)
-            write_vtu(folder / file, grid)
+            write_vtu(folder / file, grid, exaggeration)
             entries.append(
                 f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
             )
@@ -194,22 +230,80 @@ def _write_index(path: Path, entries: list[str]) -> None:
     )
 
 
-def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
-    """Return the description of the series for view.py: title, first instant to show, sizes, names
-    of the parts."""
+def _about(
+    dataset: xr.Dataset,
+    records: IntArray,
+    parts: StageParts,
+    *,
+    surface: bool,
+    rotating: bool,
+    **_: Any,
+) -> dict[str, Any]:
+    """Return the description of the series for view.py: title, first instant to show, colours, view
+    of the parts and where the wall is cut open."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
     moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
     shown = int(np.argmax(force if force.any() else moved))
+    solid = surface or not parts.body.flat
     return {
         "title": str(dataset.attrs["title"]),
         "time": float(dataset["time"].values[records[shown]]),
         "exaggeration": parts.exaggeration,
-        "largest_displacement": parts.largest_displacement,
         "largest_force": float(force.max()),
-        "size": parts.size,
-        "towards": TOWARDS["axial" if parts.body.flat else "oblique"],
+        "colours": _colours(parts, "magnitude" if solid else "line", is_normalised(dataset)),
         "parts": parts.names,
-        "scale": "displacement [m]" + ", arbitrary" * is_normalised(dataset),
+        "grids": list(parts.grid_names),
+        **_view(dataset, parts, "oblique" if solid else "axial", rotating),
+    }
+
+
+def _colours(parts: StageParts, of_rotor: str, normalised: bool) -> dict[str, dict[str, Any]]:
+    """Return for each part with values: array, factor, label, end of the scale, and its colours as
+    shares and RGB values; a mode has an arbitrary amplitude."""
+    found = {}
+    for part, array, colours in (
+        ("rotor", "deformation", of_rotor),
+        ("casing", "deformation", "wall"),
+        ("coating", "wear", "wall"),
+    ):
+        if largest := parts.largest[part]:
+            unit, factor = handy_unit(largest, "m")
+            if normalised:
+                unit, factor = "of the largest", 1.0 / largest
+            shares = np.linspace(0.0, 1.0, 17)
+            shades = np.column_stack([shares, COLOUR_MAPS[colours](shares)[:, :3]])
+            found[part] = {
+                "array": array,
+                "factor": factor,
+                "label": f"{array} of the {part} [{unit}]",
+                "end": scale_end(factor * largest),
+                "shades": shades.round(3).tolist(),
+            }
+    return found
+
+
+def _view(dataset: xr.Dataset, parts: StageParts, view: View, rotating: bool) -> dict[str, Any]:
+    """Return camera and middle, half the height of the picture [m], and origins and normals of
+    planes beyond which the wall is cut off."""
+    stage, around = parts.drawn, rotating is False or blade_count(dataset) > 1
+    axes, focus = axes_of_view(stage, view, around=around)
+    wall = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1)))
+    seen = (np.vstack([stage.rest, wall]) if around else stage.rest) - focus
+    gap, ahead = opening(axes[2])
+    planes = [(stage.inner_radius.max() * np.cos(gap), ahead)] if gap else []
+    if not around:  # the wall near the blade
+        angle = dataset["tip_angle"].values
+        ends = angle.max() + ARC + 0.5 * np.pi, angle.min() - ARC - 0.5 * np.pi
+        planes = [(0.0, end) for end in ends]
+    return {
+        "towards": axes[2].tolist(),
+        "up": axes[1].tolist(),
+        "focus": focus.tolist(),
+        "size": float((np.abs(seen @ axes[:2].T) * [0.8, 1.0]).max()),
+        "cuts": [
+            [np.append(part * directions(along), 0.0).tolist() for part in (reach, 1.0)]
+            for reach, along in planes
+        ],
     }
 
 

@@ -13,8 +13,12 @@ from typing import Any
 from paraview import simple
 
 SERIES: dict[str, Any] = {}
-ARROW = 0.17  # length of the largest force, in tip radii or sizes of the blades
+ARROW = 0.17  # length of the largest force, in halves of the height of the picture
 SIZE = [1280, 960]  # of a picture [pixels]
+INK = [0.13, 0.15, 0.18]
+PLAIN = {"casing": [0.71, 0.73, 0.76], "coating": [0.78, 0.63, 0.4], "supports": INK}
+BARS = {"rotor": 0.08, "casing": 0.52, "coating": 0.52}  # lower ends of colour scales
+MARGIN = 1.2
 
 
 def main() -> None:
@@ -34,19 +38,9 @@ def main() -> None:
     drawn = simple.WarpByVector(registrationName="drawn", Input=series)
     drawn.Vectors = ["POINTS", "warp"]
     drawn.ScaleFactor = 1.0
-    shown = simple.Show(drawn, view)
-    shown.LineWidth = 1.5
-    shown.PointSize = 1.0
-    simple.ColorBy(shown, ("POINTS", "displacement", "Magnitude"))
-    colours = simple.GetColorTransferFunction("displacement")
-    colours.AutomaticRescaleRangeMode = "Never"
-    colours.ApplyPreset("Viridis (matplotlib)", True)
-    colours.RescaleTransferFunction(0.0, SERIES["largest_displacement"] or 1.0)
-    colours.NanColor = [0.13, 0.15, 0.18]
-    shown.SetScalarBarVisibility(view, True)
-    bar = simple.GetScalarBar(colours, view)
-    bar.Title, bar.ComponentTitle = SERIES["scale"], ""
-    bar.TitleColor = bar.LabelColor = [0.13, 0.15, 0.18]
+    names = ["rotor", "casing", *(["coating"] if "coating" in SERIES["grids"] else [])]
+    for name in [*names, *(["supports"] if "supports" in SERIES["grids"] else [])]:
+        show_part(drawn, name, view)
 
     if SERIES["largest_force"]:
         forces = simple.Glyph(registrationName="contact forces", Input=drawn, GlyphType="Arrow")
@@ -55,7 +49,7 @@ def main() -> None:
         forces.GlyphMode = "All Points"
         forces.GlyphTransform.Translate = [-1.0, 0.0, 0.0]  # arrows end on the tips
         arrows = simple.Show(forces, view)
-        simple.ColorBy(arrows, None)
+        arrows.ColorArrayName = ["POINTS", ""]
         arrows.DiffuseColor = arrows.AmbientColor = [0.84, 0.37, 0.0]
 
     factor = SERIES["exaggeration"]
@@ -64,22 +58,72 @@ def main() -> None:
     )
     words = simple.Text(registrationName="title", Text=f"{SERIES['title']}\n{note}")
     clock = simple.AnnotateTimeFilter(registrationName="time", Input=series)
-    clock.Format = "t = {time:.4f} s" if simple.GetParaViewVersion() >= (5, 11) else "t = %.4f s"
-    for source, place in ((words, "Upper Left Corner"), (clock, "Upper Right Corner")):
+    clock.Format = "t = {time:.5f} s" if simple.GetParaViewVersion() >= (5, 11) else "t = %.5f s"
+    for source, place in ((words, "Upper Left Corner"), (clock, "Lower Left Corner")):
         written = simple.Show(source, view)
         written.WindowLocation = place
-        written.Color = [0.13, 0.15, 0.18]
+        written.Color = INK
         written.Justification = "Left"
 
     view.CameraParallelProjection = 1
     view.ViewSize = SIZE
-    view.CameraFocalPoint, view.CameraPosition = [0.0, 0.0, 0.0], SERIES["towards"]
-    view.CameraViewUp = [0.0, 1.0, 0.0]
-    simple.ResetCamera(view)
-    view.CameraParallelScale = 1.35 * SERIES["size"]
+    simple.Render(view)  # the first one moves the camera
+    middle = SERIES["focus"]
+    view.CameraFocalPoint, view.CameraViewUp = middle, SERIES["up"]
+    far = 10.0 * SERIES["size"]
+    view.CameraPosition = [m + far * t for m, t in zip(middle, SERIES["towards"])]  # noqa: B905
+    view.CameraParallelScale = MARGIN * SERIES["size"]
     simple.Render(view)
     if len(sys.argv) > 1:
         simple.SaveScreenshot(sys.argv[1], view, ImageResolution=SIZE)
+
+
+def show_part(drawn: Any, name: str, view: Any) -> None:
+    """Show a part with the colours of its own scale and with its edges; the wall is cut open."""
+    part = simple.ExtractBlock(registrationName=name, Input=drawn)
+    part.Selectors = [f"/Root/{name}"]
+    for origin, normal in SERIES["cuts"] if name in ("casing", "coating") else ():
+        part = simple.Clip(registrationName=f"{name}, cut open", Input=part)
+        part.ClipType = "Plane"
+        part.ClipType.Origin, part.ClipType.Normal = origin, normal
+    look = SERIES["colours"].get(name)
+    if look is not None:
+        label = look["label"]
+        part = simple.Calculator(registrationName=label, Input=part)
+        part.ResultArrayName = label
+        size = look["array"] if look["array"] == "wear" else f"mag({look['array']})"
+        part.Function = f"{look['factor']!r}*{size}"
+    shown = simple.Show(part, view)
+    shown.LineWidth = 1.0 if name == "supports" else 2.5
+    shown.Ambient, shown.Diffuse = 0.35, 0.7
+    if look is None:
+        shown.ColorArrayName = ["POINTS", ""]
+        shown.DiffuseColor = shown.AmbientColor = PLAIN.get(name, [1.0, 1.0, 1.0])
+    else:
+        simple.ColorBy(shown, ("POINTS", label))
+        colours = simple.GetColorTransferFunction(label)
+        colours.AutomaticRescaleRangeMode = "Never"
+        colours.ColorSpace = "RGB"
+        colours.RGBPoints = [
+            value for share, *rgb in look["shades"] for value in (share * look["end"], *rgb)
+        ]
+        shown.SetScalarBarVisibility(view, True)
+        bar = simple.GetScalarBar(colours, view)
+        bar.Title, bar.ComponentTitle = label, ""
+        bar.TitleColor = bar.LabelColor = INK
+        bar.WindowLocation, bar.ScalarBarLength = "Any Location", 0.36
+        bar.Position = [0.87, BARS[name]]
+        bar.AddRangeLabels, bar.UseCustomLabels = 0, 1
+        bar.CustomLabels = [look["end"] * tick / 4.0 for tick in range(5)]
+    if name != "supports":
+        whole = simple.Clean(Input=simple.ExtractSurface(Input=part))
+        whole.Tolerance = 1e-4  # joins elements
+        edges = simple.FeatureEdges(registrationName=f"edges of {name}", Input=whole)
+        edges.BoundaryEdges = edges.NonManifoldEdges = 0
+        lines = simple.Show(edges, view)
+        lines.RenderLinesAsTubes, lines.LineWidth = 1, 1.3  # in front of the faces
+        lines.ColorArrayName = ["POINTS", ""]
+        lines.DiffuseColor = lines.AmbientColor = INK
 
 
 main()

@@ -101,17 +101,11 @@ class Body:
     def _look(self, dataset: xr.Dataset, view: View, *, around: bool) -> None:
         """Choose the axes of the picture, and the solids, for a view of a surface."""
         stage, angle = self.stage, dataset["tip_angle"].values
-        towards = np.array(TOWARDS[view])
-        self._axes = _axes(
-            towards, np.array([0.0, 1.0, 0.0] if view != "side" else [0.0, 0.0, 1.0])
-        )
-        across = float(np.hypot(*unit(towards)[:2]))
-        gap = np.arccos(OPEN / across) if across > OPEN else 0.0
-        ahead = np.arctan2(towards[1], towards[0])
+        self._axes, self._focus = axes_of_view(stage, view, around=around)
+        gap, ahead = opening(self._axes[2])
         #: angles at which the wall is drawn, in the axes of the picture [rad]
         self._arc = np.linspace(ahead + gap, ahead + 2 * np.pi - gap, WALL_STATIONS)
         if not around:
-            self._axes, self._focus = _view_of_blade(stage.rest, stage.size, view)
             # From the side, the wall in front of the tip is left out.
             start = angle.max() if view == "side" else angle.min() - ARC
             self._arc = np.linspace(start, angle.max() + ARC, ARC_STATIONS)
@@ -200,6 +194,23 @@ class Body:
     def _placed(self, points: Array, turn: float) -> Array:
         """Return points (..., 3) turned by an angle [rad], in the axes of the view [m]."""
         return np.asarray((rotate(points, turn) - self._focus) @ self._axes.T)
+
+
+def axes_of_view(stage: EnlargedStage, view: View, *, around: bool) -> tuple[Array, Array]:
+    """Return the axes (3, 3) and the middle (3,) [m] of a view of a surface, see `Body`; the third
+    axis points to the viewer."""
+    if not around:
+        return _view_of_blade(stage.rest, stage.size, view)
+    up = np.array([0.0, 1.0, 0.0] if view != "side" else [0.0, 0.0, 1.0])
+    return _axes(np.array(TOWARDS[view]), up), np.zeros(3)
+
+
+def opening(towards: Array) -> tuple[float, float]:
+    """Return half the angle over which the wall is cut open, and the angle of the middle of the
+    opening [rad], for the direction (3,) to the viewer."""
+    across = float(np.hypot(*towards[:2]))
+    ahead = float(np.arctan2(towards[1], towards[0]))
+    return (float(np.arccos(OPEN / across)) if across > OPEN else 0.0), ahead
 
 
 def _axes(towards: Array, up: Array) -> Array:

@@ -177,11 +177,10 @@ def export(
 ) -> None:
     """Write a series for ParaView: run its view.py, or open series.pvd and apply Warp By Vector.
 
-    The parts are rotor, casing, contact, supports. Warp By Vector with warp and factor 1 shows the
-    stage as bladewhirl render does. For a superelement the parts are blades and contact, with
-    displacement, blade and contact_force. Fields: displacement, velocity, radial_displacement, gap,
-    axial
-    and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
+    The parts are rotor, casing, contact, and if there are any coating and supports. Warp By Vector
+    with warp and factor 1 shows the stage as bladewhirl render does. Fields: displacement,
+    deformation, velocity, radial_displacement, gap; of beams and wall axial and bending strain and
+    stress, of superelements von_mises_stress; wear, remaining_thickness; contact_force (for Glyph).
     An earlier series that bladewhirl wrote into the folder is replaced.
 
     Args:

@@ -74,11 +74,11 @@ class TestIndex:
         written = []
         write = vtk_series.write_vtu
 
-        def die(path: Path, grid: meshio.Mesh) -> None:
+        def die(path: Path, grid: meshio.Mesh, exaggeration: float) -> None:
             written.append(path)
             if len(written) == 1 + 4 * 3 + 2:  # the mesh, three instants, half of one
                 raise KeyboardInterrupt
-            write(path, grid)
+            write(path, grid, exaggeration)
 
         monkeypatch.setattr(vtk_series, "write_vtu", die)
         with pytest.raises(KeyboardInterrupt):
@@ -114,6 +114,7 @@ class TestFrames:
     ) -> None:
         index = export_vtk(result, tmp_path, frames=2, surface=surface)
         moving = {"warp": 3, "displacement": 3}
+        strained_body = {"velocity": 3, "deformation": 3}
         strained = dict.fromkeys(
             (
                 *("radial_displacement", "surface_stress", "axial_strain", "axial_stress"),
@@ -121,7 +122,7 @@ class TestFrames:
             ),
             1,
         )
-        body, cells = moving | {"velocity": 3} | strained, {"part", "blade", "thickness"}
+        body, cells = moving | strained_body | strained, {"part", "blade", "thickness"}
         tips = moving | {"velocity": 3, "gap": 1, "contact_force": 3}
         for name, expected, on_cells in (
             ("rotor", body | {"gap": 1}, cells),
@@ -136,6 +137,10 @@ class TestFrames:
             assert components == expected
             assert set(mesh.cell_data) == on_cells
             assert all(np.isfinite(array).all() for array in mesh.point_data.values())
+            units = {key.split(" [")[0] for key in mesh.field_data} - {"exaggeration"}
+            assert units == set(expected)
+            assert mesh.field_data["gap [m]" if "gap" in expected else "warp [m]"] == 1.0
+            assert float(mesh.field_data["exaggeration"][0]) > 1.0
         blade = read(index, "rotor").cell_data["blade"][0]
         assert set(blade) == {-1, *range(22)}
 
@@ -251,6 +256,12 @@ def test_portions_have_no_effect(
             np.testing.assert_allclose(values, other.point_data[name], rtol=1e-5, atol=1e-7)
 
 
+def coloured_by_deformation(result: xr.Dataset) -> float:
+    """Return the largest deformation of the wall [m], which pictures colour."""
+    drawing = Drawing(result, np.arange(result.sizes["time"]), colour="deformation")
+    return float(drawing.colouring.casing.max())
+
+
 def test_view_runs_in_paraview(
     result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -270,8 +281,11 @@ def test_view_runs_in_paraview(
     shown = simple.GetAnimationScene.return_value.AnimationTime
     assert shown == pytest.approx(float(result.time[int(np.argmax(force))]))
     assert simple.WarpByVector.return_value.Vectors == ["POINTS", "warp"]
-    (low, high), _ = simple.GetColorTransferFunction.return_value.RescaleTransferFunction.call_args
-    assert low == 0.0
-    assert 0.5e-3 < high < 2e-3
+    named = {call.kwargs["registrationName"] for call in simple.Calculator.call_args_list}
+    assert named == {"deformation of the rotor [mm]", "deformation of the casing [mm]"}
+    points = simple.GetColorTransferFunction.return_value.RGBPoints
+    assert points[:4] == [0.0, 1.0, 1.0, 1.0]  # zero is white
+    largest = 1e3 * coloured_by_deformation(result)
+    assert largest <= points[-4] < 1.3 * largest
     assert "30 times as large" in simple.Text.call_args.kwargs["Text"]
     assert simple.SaveScreenshot.call_args.args[0] == "picture.png"
