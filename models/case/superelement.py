@@ -39,18 +39,24 @@ class SuperelementTable(Table):
     kind: Literal["blade", "sector", "wheel"] = "blade"
     """"blade": clamped at the root; "sector": a sector of a wheel, with left_dofs and right_dofs;
     "wheel": a bladed disk, which shaft.stiffness supports at its centre if the file has
-    centre_dofs. By default "sector" for a file with left_dofs, "wheel" for one with centre_dofs or
-    with a number of blades."""
+    centre_dofs. By default "sector" for a file with left_dofs, "wheel" for one with centre_dofs,
+    hub_dofs or a number of blades."""
     angle: fields.Angle = 0.0
     """Angle by which the structure in the file is turned about the axis [rad]."""
 
     @property
     def part(self) -> Superelement:
-        """The superelement in the file, with one of the contact nodes at each place.
+        """The superelement in the file, with one of the contact nodes at each place. A hub does not
+        tilt, see `with_hub`: that of a wheel is its centre, that of sectors is held.
 
         Raises:
             SuperelementError: the file is not a superelement.
         """
+        return _without_tilt(self.kind, self.copies, self.file, *self.stamp)
+
+    @property
+    def with_hub(self) -> Superelement:
+        """The superelement with the hub of the file."""
         return _single(self.kind, self.copies, self.file, *self.stamp)
 
     @property
@@ -78,7 +84,7 @@ class SuperelementTable(Table):
         own: dict[str, Any] = {"copies": part.sectors} if part.sectors else {}
         if part.left_dofs is not None:
             own["kind"] = "sector"
-        elif part.centre_dofs is not None or part.sectors:
+        elif part.centre_dofs is not None or part.hub_dofs is not None or part.sectors:
             own["kind"] = "wheel"
         return own | dict(given)
 
@@ -152,3 +158,11 @@ def _single(kind: str, copies: int, *file: Any) -> Superelement:
     from bladewhirl.models.superelements.contacts import with_single_contacts  # loads scipy.spatial
 
     return with_single_contacts(_cached(*file), kind, copies)
+
+
+@lru_cache(maxsize=4)
+def _without_tilt(*file: Any) -> Superelement:
+    """Return the superelement of `_single`, whose hub does not tilt."""
+    from bladewhirl.models.superelements.hub import without_tilt  # loads scipy.sparse.linalg
+
+    return without_tilt(_single(*file))

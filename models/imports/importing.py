@@ -72,10 +72,11 @@ def import_superelement(
             without a second one, K2 = 0. Stiffnesses include the spin softening.
         outside_files: whether files that the input of CalculiX names in ``*INCLUDE`` and ``INPUT=``
             may be outside its folder.
-        choice: contact and clamped (groups, conditions on positions, or numbers of nodes separated
-            by commas), contacts, left, right, copies, length_unit, mass_unit, axis and name, see
-            `mesh3d`. `clamped` is needed only if the matrices contain nodes to clamp. The unit of
-            time is the second.
+        choice: contact, clamped and hub (groups, conditions on positions, or numbers of nodes
+            separated by commas), contacts, left, right, copies, length_unit, mass_unit, axis and
+            name, see `mesh3d`. `clamped` is needed only if the matrices contain nodes to clamp. The
+            matrices contain all nodes of `hub`; their stiffnesses at speeds are those with these
+            nodes held in the static state only. The unit of time is the second.
 
     Returns:
         the superelement, in SI units.
@@ -152,7 +153,7 @@ def imported(
         held = free or bool((foreign.dofs == FIXED).all(axis=1).any())
         alone = held and part.left_dofs is None
         evidence = hints_of(foreign, total, inspection.rigid_modes, free=free, clamped=alone)
-        hints = (*mass_hints(part, float(total.max())), *evidence)
+        hints = (*inspection.hints, *mass_hints(part, float(total.max())), *evidence)
         return part, replace(inspection, hints=hints), total
 
 

@@ -14,6 +14,7 @@ from scipy.spatial import ConvexHull, QhullError
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.plausible import fault_of
 from bladewhirl.models.superelements.frequencies import SYMMETRIC_ORDER, lowest_frequencies
+from bladewhirl.models.superelements.hub import NEEDED, check_hub, rigid_motions
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -61,10 +62,12 @@ class Inspection:
 def inspect(part: Superelement) -> Inspection:
     """Return frequencies and rigid modes of a superelement, and check its matrices.
 
-    A sector is inspected with free faces.
+    A sector is inspected with free faces. The matrices of a wheel with a hub are compared with
+    those of a rigid body, see `hub`.
 
     Raises:
-        SuperelementError: mass or stiffness is indefinite, or the first frequency is implausible.
+        SuperelementError: mass or stiffness is indefinite, the first frequency is implausible, or a
+            wheel does not move rigidly with its hub.
     """
     for key in ("mass", "stiffness", "damping"):
         matrix = getattr(part, key)
@@ -88,7 +91,14 @@ def inspect(part: Superelement) -> Inspection:
         )
     if len(elastic):
         _check_units(float(elastic[0]))
-    return Inspection(elastic[:MODES], int(np.count_nonzero(rigid)))
+    hints: tuple[str, ...] = ()
+    if part.hub_dofs is not None:
+        check_hub(part, rigid_motions(part))
+        missing = [key for key in NEEDED if getattr(part, key) is None]
+        if missing:
+            text = "a wheel that turns with a shaft line needs them"
+            hints = (f"{' and '.join(missing)} missing: {text}",)
+    return Inspection(elastic[:MODES], int(np.count_nonzero(rigid)), hints)
 
 
 def mass_hints(part: Superelement, mass: float) -> Iterator[str]:

@@ -21,8 +21,10 @@ from bladewhirl.models.solids.groups import (
 )
 from bladewhirl.models.solids.positions import EXAMPLE
 from bladewhirl.models.structure.rotating import Rotating
+from bladewhirl.models.superelements.hub import tied_to_hub
 from bladewhirl.models.superelements.superelement import (
     FIXED,
+    HUB,
     Matrix,
     Superelement,
     SuperelementError,
@@ -144,6 +146,7 @@ class Choice:
 
     contact: str  #: group, or numbers of nodes
     clamped: str | None = None  #: group or numbers of nodes to clamp, if the program did not
+    hub: str | None = None  #: group or numbers of nodes to tie to a hub, in place of clamped ones
     contacts: int | None = None  #: number of contact nodes along the chord; all by default
     left: str | None = None  #: group or numbers of the nodes of the clockwise face
     right: str | None = None  #: group or numbers of the nodes of the counter-clockwise face
@@ -169,6 +172,7 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
         part = part.without(part.dofs[part.nodes("clamped", choice.clamped, choice.axis)])
     points = part.points[:, AXES[choice.axis]]
     fixed = np.flatnonzero((part.dofs == FIXED).all(axis=1))
+    tied = fixed[:0] if choice.hub is None else part.nodes("hub", choice.hub, choice.axis)
     nodes: dict[str, IntArray] = {}
     with errors_of(part.source):
         group = part.nodes("contact", choice.contact, choice.axis)
@@ -180,8 +184,9 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
             faces = matching_faces(points, left, right, sides[2])
             fixed, note = clamped_on_both(*faces, fixed)
             part = replace(part.without(part.dofs[fixed]), source=f"{part.source}{note}")
-            nodes = free_faces(*faces, fixed)
-        touching = contact_nodes(points, group, choice.contacts, fixed, sides)
+            tied = clamped_on_both(*faces, tied)[0]
+            nodes = free_faces(*faces, np.union1d(fixed, tied))
+        touching = contact_nodes(points, group, choice.contacts, np.union1d(fixed, tied), sides)
     dofs = part.dofs[:, AXES[choice.axis]]
     shown = np.arange(len(points)) if part.surface is None else np.unique(part.surface)
     made = Superelement(
@@ -201,7 +206,40 @@ def superelement_from(part: ForeignPart, choice: Choice) -> tuple[Superelement, 
     along = np.zeros((3, part.size))
     for axis in range(3):
         along[axis, dofs[dofs[:, axis] != FIXED, axis]] = 1.0
-    return made, along
+    if choice.hub is None:
+        return made, along
+    with errors_of(part.source):
+        return _on_hub(made, dofs, points, tied), _with_hub(along, dofs[tied])
+
+
+def _on_hub(part: Superelement, dofs: IntArray, points: FloatArray, tied: IntArray) -> Superelement:
+    """Return a free superelement with nodes tied to a hub, and with the Coriolis forces of its
+    translations if it has none.
+
+    Args:
+        part: the superelement.
+        dofs: numbers of the displacements of all nodes, (nodes, 3).
+        points: their positions [m], (nodes, 3).
+        tied: nodes that are tied.
+
+    Raises:
+        SuperelementError: a displacement of these nodes is fixed.
+    """
+    place, spin = np.zeros(part.size), sp.lil_array((part.size, part.size))
+    for (x, y, _), (to_x, to_y, _) in zip(dofs.tolist(), points.tolist(), strict=True):
+        if FIXED not in (x, y):
+            place[[x, y]], spin[x, y], spin[y, x] = (to_x, to_y), -1.0, 1.0
+    if part.gyroscopic is None:
+        coriolis = 2.0 * (part.mass @ sp.csr_array(spin))
+        part = replace(part, gyroscopic=0.5 * (coriolis - coriolis.T))
+    centre = np.array([0.0, 0.0, points[tied, 2].mean()])
+    return tied_to_hub(part, dofs[tied], points[tied] - centre, centre, place)
+
+
+def _with_hub(along: FloatArray, tied: IntArray) -> FloatArray:
+    """Return unit translations of all coordinates, (3, n), for those of a superelement with tied
+    nodes, whose displacements are given, (nodes, 3)."""
+    return np.hstack([np.delete(along, tied.ravel(), axis=1), np.eye(3, HUB)])
 
 
 def _recovery(dofs: IntArray, size: int) -> sp.csr_array:

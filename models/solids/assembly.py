@@ -279,9 +279,11 @@ def stiffness_by_rotation(
     mass: sp.csr_array,
     tie: sp.csr_array,
     measure: Measure,
-) -> tuple[sp.csr_array, sp.csr_array | None]:
+) -> tuple[sp.csr_array, sp.csr_array | None, FloatArray]:
     """Return K1 and K2 of the stiffness K + Omega^2 K1 + Omega^4 K2 of a solid that rotates about
-    z, (3 * size, 3 * size) each; K2 is None for "stress".
+    z, (3 * size, 3 * size) each; K2 is None for "stress"; and the forces that hold its clamped
+    nodes against the centrifugal forces at 1 rad/s [kg m], (size, 3), which are zero elsewhere but
+    on the faces of a sector.
 
     K1 is the stiffness by the stress of the centrifugal forces, minus the mass in the plane of
     rotation. For "prestress", as in a linear static step with a following perturbation step of
@@ -304,11 +306,13 @@ def stiffness_by_rotation(
     nodal = sp.eye_array(solid.size, len(solid.points), format="csr")
     softening = sp.kron(nodal.T @ mass @ nodal, IN_PLANE, format="csr")
     spread = sp.kron(nodal, np.eye(3), format="csr")
-    load = tie.T @ (spread @ (softening @ solid.points.ravel()))
+    forces = spread @ (softening @ solid.points.ravel())
+    load = tie.T @ forces
     moved = Cholesky.of(sp.csr_array(tie.T @ stiffness @ tie)).solve(load[:, None])[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):  # the superelement checks its matrices
         by_stress, linear, quadratic = solid.stiffness_terms(tie @ moved)
+    held = (stiffness @ (tie @ moved) - forces).reshape(-1, 3)
     first = sp.csr_array(by_stress - spread @ softening @ spread.T)
     if measure == "stress":
-        return first, None
-    return sp.csr_array(first + linear), quadratic
+        return first, None, held
+    return sp.csr_array(first + linear), quadratic, held

@@ -13,7 +13,7 @@ from numpy.linalg import LinAlgError
 from bladewhirl.meshes.coincident import COINCIDENT
 from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Measure, Solid, stiffness_by_rotation
@@ -35,7 +35,8 @@ from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.solids.wheels import blade_by_blade, goes_round
 from bladewhirl.models.superelements.cyclic import transformation
-from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.models.superelements.hub import check_hub, hub_freed, tied_rows, with_tie
+from bladewhirl.models.superelements.superelement import HUB, Superelement
 
 MOST_NODES = 100_000
 """Largest number of nodes. A factor of the stiffness of a larger mesh takes too much memory."""
@@ -43,6 +44,8 @@ MOST_NODES = 100_000
 CORIOLIS = np.array([[0.0, -2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 """Acceleration 2 e_z x v of a velocity v at 1 rad/s, as a matrix."""
 
+
+ROOT = "root"  #: group of the nodes that do not move, by default
 
 QUADRATURES = {None: None, "full": False, "reduced": True}
 
@@ -53,7 +56,9 @@ def mesh3d(
     young_modulus: Given = None,
     poisson_ratio: Given = None,
     density: Given = None,
-    clamped: str | None = "root",
+    clamped: str | None = ROOT,
+    hub: str | None = None,
+    hub_at: float | str | None = None,
     contact: str = "tip",
     contacts: int | None = None,
     blade: str | None = None,
@@ -109,6 +114,13 @@ def mesh3d(
             mesh, with the distance r from the axis of rotation and the angle about it [degrees].
             None for a free part. Their partners on the
             other face of a sector are clamped too.
+        hub: group, or a condition as for `clamped`, of the nodes of the bore or of a flange that
+            are tied to a hub, in place of clamped ones: six displacements by which a wheel, or the
+            sectors of a wheel, move and tilt with a [shaft_line]. It implies `coriolis`; the matrix
+            of the tie, by which the reaction of the bore resists a tilt, is part of
+            `stiffness_speed`.
+        hub_at: position of the hub along the axis of rotation [m], or text such as "12 mm"; by
+            default the mean one of the tied nodes.
         contact: group of the contact nodes, a condition as for `clamped`, or "outermost": those
             within 1 % of the extent in radius of the largest radius. Nodes of a sector that are
             also nodes of the next sector are left out.
@@ -173,8 +185,14 @@ def mesh3d(
         expected = "expected elements of second order, or C3D8I in place of C3D8"
         text = f"elements {names} of first order are too stiff in bending: {expected}"
         warnings.warn(text, Hint, stacklevel=2)
-    fixed = np.zeros(0, int) if clamped is None else group_nodes(volumes, "clamped", clamped, axis)
-    group = group_nodes(volumes, "contact", contact, axis)
+    if hub is not None:
+        if clamped not in (None, ROOT):
+            raise invalid("clamped", clamped, "none with hub, which holds the wheel")
+        if omega != 0.0:
+            raise invalid("speed", speed, "0 with hub: a shaft line needs stiffness_speed")
+    key, group = ("clamped", clamped) if hub is None else ("hub", hub)
+    fixed = np.zeros(0, int) if group is None else group_nodes(volumes, key, group, axis)
+    tips = group_nodes(volumes, "contact", contact, axis)
     faces: dict[str, IntArray] = {}
     first, second, blades = fixed[:0], fixed[:0], None
     if copies is not None and left is None and right is None:
@@ -182,7 +200,7 @@ def mesh3d(
         if (sector := find_sector(volumes, copies)) is not None:
             first, second = sector.left, sector.right
         elif goes_round(volumes.points):
-            sides, blades = None, blade_by_blade(volumes.points, group, copies)
+            sides, blades = None, blade_by_blade(volumes.points, tips, copies)
             if blades is None:
                 expected = f"a number of blades: after 1/{copies} of a turn about {axis} contact"
                 raise invalid("copies", copies, f"{expected} nodes do not lie on others")
@@ -200,9 +218,9 @@ def mesh3d(
         notes += note
         faces = free_faces(first, second, fixed)
     if blades is None:
-        touching = contact_nodes(volumes.points, group, contacts, fixed, sides)
+        touching = contact_nodes(volumes.points, tips, contacts, fixed, sides)
     else:
-        own = contact_nodes(volumes.points, blades[0], contacts, np.intersect1d(fixed, group))
+        own = contact_nodes(volumes.points, blades[0], contacts, np.intersect1d(fixed, tips))
         touching = blades[:, (own[:, None] == blades[0]).argmax(axis=1)].ravel()
     if loose := len(np.setdiff1d(volumes.groups.get(volumes.held, fixed[:0]), fixed)):
         text = f"{loose} nodes that {volumes.held} of {volumes.name} holds are not clamped"
@@ -218,7 +236,8 @@ def mesh3d(
         solid = Solid(volumes, materials)
     except MeshFileError as error:
         raise invalid("mesh", volumes.name, str(error)) from None
-    dofs, select = free_displacements(solid.size, solid.points, fixed, bodies)
+    centre = None if hub is None else _hub_position(solid.points[fixed], hub_at)
+    dofs, select = free_displacements(solid.size, solid.points, fixed, bodies, centre)
     mass = solid.mass(reduced=QUADRATURES[mass_quadrature])
     shown, triangles = surface_triangles(volumes)
     load, nodes = np.zeros((solid.size, 3)), slice(len(solid.points))  # not incompatible modes
@@ -237,7 +256,7 @@ def mesh3d(
         "mass": sp.csr_array(select.T @ sp.kron(mass, np.eye(3), format="csr") @ select),
         "gyroscopic": (
             sp.csr_array(select.T @ sp.kron(mass, CORIOLIS, format="csr") @ select)
-            if coriolis
+            if coriolis or hub is not None
             else None
         ),
         "contact_position": volumes.points[touching],
@@ -251,6 +270,8 @@ def mesh3d(
         **{key: dofs[nodes] for key, nodes in faces.items()},
         "sectors": copies,
         "whole_mass": float(mass[nodes, nodes].sum()),
+        "hub_dofs": None if hub is None else select.shape[1] - HUB + np.arange(HUB),
+        "hub_position": centre,
     }
     stiffness = solid.stiffness()
     if blade is not None:
@@ -269,9 +290,11 @@ def mesh3d(
         text = "the stiffness at speed is left out: it is not computed for solids with rigid bodies"
         warnings.warn(text, Hint, stacklevel=2)
         return part
-    tie = select if sides is None else select @ transformation(part, sides[2], 0)
+    held = hub_freed(part)
+    tie = select[:, : held.size]
+    tie = tie if sides is None else tie @ transformation(held, sides[2], 0)
     try:
-        changes = stiffness_by_rotation(solid, stiffness, mass, tie, stiffening)
+        *changes, reaction = stiffness_by_rotation(solid, stiffness, mass, tie, stiffening)
     except LinAlgError:  # the stiffness is singular
         if omega != 0.0:
             expected = "0, or a part without motions that meet no stiffness"
@@ -283,9 +306,25 @@ def mesh3d(
         None if change is None else sp.csr_array(select.T @ change @ select) for change in changes
     )
     part = replace(part, stiffness_speed=squared, stiffness_speed4=fourth)
+    if centre is not None:
+        part = replace(part, **with_tie(part, reaction[fixed], solid.points[fixed] - centre))
+        everywhere = np.zeros((3 * solid.size, HUB))
+        everywhere[: solid.points.size] = tied_rows(solid.points - centre)
+        motions = select.T @ everywhere
+        motions[part.hub_dofs] = np.eye(HUB)
+        check_hub(part, motions)
     if omega == 0.0:
         return part
     return replace(part.at(omega), stiffness_speed=None, stiffness_speed4=None)
+
+
+def _hub_position(tied: FloatArray, given: float | str | None) -> FloatArray:
+    """Return the position of the hub of tied nodes, (n, 3), on the axis [m], (3,)."""
+    try:
+        height = to_si(given, "m") if isinstance(given, str) else finite(given or 0.0)
+    except (TypeError, ValueError) as error:
+        raise invalid("hub_at", given, f'a position such as "12 mm" ({error})') from None
+    return np.array([0.0, 0.0, tied[:, 2].mean() if given is None else height])
 
 
 def _elements(mesh: VolumeMesh) -> str:

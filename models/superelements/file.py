@@ -1,6 +1,7 @@
 """Files of superelements: .npz of NumPy and .mat of MATLAB."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
@@ -21,6 +22,7 @@ from bladewhirl.models.superelements.containers import (
 )
 from bladewhirl.models.superelements.superelement import (
     ARRAYS,
+    HUB,
     Matrix,
     Superelement,
     SuperelementError,
@@ -29,7 +31,7 @@ from bladewhirl.models.superelements.superelement import (
 
 MATRICES = (*Superelement.FORMS, *Superelement.ROWS)
 SPEED, SECTORS, MASS = "speed", "sectors", "whole_mass"
-INTEGERS = ("contact_dofs", "centre_dofs", "triangles", "left_dofs", "right_dofs")
+INTEGERS = ("contact_dofs", "centre_dofs", "hub_dofs", "triangles", "left_dofs", "right_dofs")
 TEXTS = ("name", "source", "command")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
 ROUNDING = 1e-9
@@ -81,7 +83,7 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in ARRAYS:
         if key in content:
             values[key] = _scale(key, length, mass) * real_numbers(key, content[key])
-    for key in ("young_modulus", "poisson_ratio", *Superelement.LOADS):
+    for key in ("hub_position", "young_modulus", "poisson_ratio", *Superelement.LOADS):
         if key in values:
             values[key] = values[key].ravel()
     if SPEED in content:
@@ -96,9 +98,10 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in ("left_dofs", "right_dofs"):
         if key in values and values[key].size % 3 == 0:
             values[key] = values[key].reshape(-1, 3)
-    if "centre_dofs" in values:
-        values["centre_dofs"] = values["centre_dofs"].ravel()
-    part = Superelement(**values)
+    for key in ("centre_dofs", "hub_dofs"):
+        if key in values:
+            values[key] = values[key].ravel()
+    part = _with_rotations(Superelement(**values), length)
     if part.speed and part.stiffness_speed is not None:
         raise SuperelementError(
             "speed: expected 0 with stiffness_speed, which needs the stiffness at rest"
@@ -116,13 +119,27 @@ def _scale(key: str, length: float, mass: float) -> float:
     mass [kg] of a file."""
     factors = {
         **dict.fromkeys(("recovery", "poisson_ratio"), 1.0),
-        **dict.fromkeys(("contact_position", "points"), length),
+        **dict.fromkeys(("contact_position", "hub_position", "points"), length),
         "strain_recovery": 1.0 / length,
         "stress_recovery": mass / length**2,
         "young_modulus": mass / length,
         **dict.fromkeys(Superelement.LOADS, mass * length),
     }
     return factors.get(key, mass)
+
+
+def _with_rotations(part: Superelement, length: float) -> Superelement:
+    """Return a superelement with SI units of the rotations of its hub, which have no unit, from one
+    in which they have that of length [m]."""
+    if part.hub_dofs is None:
+        return part
+    unit = np.ones(part.size)
+    unit[part.hub_dofs[HUB // 2 :]] = length
+    turn = sp.diags_array(unit)
+    changes: dict[str, Any] = {key: one @ turn for key, one in part.given(MATRICES).items()}
+    changes |= {key: turn @ changes[key] for key in part.given(part.FORMS)}
+    changes |= {key: unit * load for key, load in part.given(part.LOADS).items()}
+    return replace(part, **changes)
 
 
 def write_superelement(path: str | PathLike[str], part: Superelement) -> None:

@@ -9,6 +9,7 @@ import scipy.sparse.linalg as spl
 from scipy.linalg import eigh
 
 from bladewhirl.models.superelements.cyclic import transformation
+from bladewhirl.models.superelements.hub import hub_freed
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -65,11 +66,12 @@ def frequencies_by_diameter(
     part: Superelement, count: int, diameters: Iterable[int]
 ) -> Iterator[np.ndarray[Any, Any]]:
     """Yield the lowest natural frequencies at rest [Hz], (count,), of the wheel of a sector for
-    each nodal diameter; once those of a part that is no sector.
+    each nodal diameter; once those of a part that is no sector. A hub is held.
 
     Raises:
         SuperelementError: the sector does not say how many of them a wheel has.
     """
+    part = hub_freed(part)
     if part.left_dofs is None:
         yield lowest_frequencies(part.mass, part.stiffness, min(count, part.size))
         return

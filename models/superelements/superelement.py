@@ -24,6 +24,12 @@ entry."""
 RADII = (1e-3, 20.0)
 """Smallest and largest plausible radius of the outermost contact node [m]."""
 
+HUB = 6  #: displacements of a hub: along x, y and z, and rotations about x, y and z
+
+ON_AXIS = 1e-9
+"""Largest distance of a hub from the axis, as a fraction of the largest radius of a contact node.
+"""
+
 FIXED = -1
 """Number in place of a degree of freedom that does not exist because its displacement is zero."""
 
@@ -47,7 +53,14 @@ def errors_of(source: object) -> Iterator[None]:
 
 COMPONENTS = 6  #: components xx, yy, zz, xy, yz and zx of a stress
 
-ARRAYS = ("contact_position", "points", "young_modulus", "poisson_ratio", *Rotating.LOADS)
+ARRAYS = (
+    "contact_position",
+    "hub_position",
+    "points",
+    "young_modulus",
+    "poisson_ratio",
+    *Rotating.LOADS,
+)
 """Names of the arrays of numbers."""
 
 
@@ -74,6 +87,10 @@ class Superelement(Rotating[Matrix]):
     [N/m], (n, n), symmetric. The mistuning of a case changes it."""
     centre_dofs: IntArray | None = None
     """Numbers of the x and y displacement of the centre of a wheel, (2,)."""
+    hub_dofs: IntArray | None = None
+    """Numbers of the displacements along x, y and z and of the rotations about x, y and z of the
+    hub, (6,), to which nodes of a wheel or sector are tied, see `hub`; in place of centre_dofs."""
+    hub_position: FloatArray | None = None  #: position of the hub on the axis [m], (3,)
     points: FloatArray | None = None  #: undeformed points for pictures [m], (p, 3)
     recovery: Matrix | None = None
     """Matrix from the coordinates to the x, y and z displacements of the points, (3p, n)."""
@@ -207,6 +224,7 @@ def _faults(part: Superelement) -> Iterator[str]:
     yield from _dof_faults(part, "contact_dofs", (c, 3), fixed=True)
     if part.centre_dofs is not None:
         yield from _dof_faults(part, "centre_dofs", (2,))
+    yield from _hub_faults(part)
     yield from _picture_faults(part)
     strains = part.strain_recovery
     if strains is not None and (strains.ndim != 2 or strains.shape[1] != n or not strains.shape[0]):
@@ -235,6 +253,25 @@ def _dof_faults(
         yield f"{key}: expected numbers from 0 to {part.size - 1}, got {_extreme(given, part.size)}"
     elif len(np.unique(given)) < given.size:
         yield f"{key}: expected each degree of freedom at most once"
+
+
+def _hub_faults(part: Superelement) -> Iterator[str]:
+    dofs, place = part.hub_dofs, part.hub_position
+    if (dofs is None) != (place is None):
+        yield "hub_dofs: expected both hub_dofs and hub_position, or neither"
+        return
+    if dofs is None or place is None:
+        return
+    yield from _dof_faults(part, "hub_dofs", (HUB,))
+    if part.centre_dofs is not None:
+        yield "hub_dofs: expected hub_dofs or centre_dofs, not both"
+    if place.shape != (3,):
+        yield f"hub_position: expected (3,), got {_shape(place)}"
+    elif np.hypot(*place[:2]) > ON_AXIS * part.contact_radius.max():
+        yield "hub_position: expected a point on the axis z"
+    for key, others in part.given(("contact_dofs", "left_dofs", "right_dofs")).items():
+        if np.isin(others, dofs).any():
+            yield f"{key}: expected degrees of freedom that are not those of the hub"
 
 
 def _picture_faults(part: Superelement) -> Iterator[str]:

@@ -161,6 +161,7 @@ def import_(
     source: Path,
     contact: str | None = None,
     clamped: str | None = None,
+    hub: str | None = None,
     contacts: options.MaybeNumber = None,
     mass: Path | None = None,
     nodes: Path | None = None,
@@ -192,6 +193,7 @@ def import_(
         contact: Contact nodes: a group, numbers of nodes such as 12,15,18, outermost, or a
             condition such as "r > 299 mm".
         clamped: Nodes to hold, if the matrices contain them.
+        hub: Nodes tied to a hub that moves and tilts with a shaft line.
         contacts: Number of contact nodes, spread along the chord of --contact.
         mass: Mass in Matrix Market.
         nodes: Table of nodes: a CSV file with a first line node,x,y,z.
@@ -220,6 +222,7 @@ def import_(
         outside_files=outside_files,
         contact=contact,
         clamped=clamped,
+        hub=hub,
         contacts=contacts,
         left=left,
         right=right,

@@ -53,6 +53,8 @@ def mesh3d(
     poisson_ratio: Values = None,
     density: Values = None,
     clamped: str = "root",
+    hub: str | None = None,
+    hub_at: str | None = None,
     contact: str = "tip",
     contacts: options.MaybeNumber = None,
     blade: str | None = None,
@@ -86,6 +88,8 @@ def mesh3d(
         poisson_ratio: Poisson's ratio in the same way.
         density: Density, such as "7.8 g/cm3", in the same way.
         clamped: Group of the nodes to hold, or condition; "none" for a free part.
+        hub: Group of the nodes tied to a hub that moves and tilts with a shaft line; or condition.
+        hub_at: Position of the hub along the axis, such as "12 mm". Default: mean of the nodes.
         contact: Group of the contact nodes, condition, or outermost.
         contacts: Number of contact nodes, spread along the chord of --contact; of each blade with
             --copies.

@@ -211,3 +211,40 @@ def deck(folder: Path, mesh: meshio.Mesh, element: str) -> Path:
     path = folder / "deck.inp"
     path.write_text(deck_text(mesh, element))
     return path
+
+
+def fan_sector(sectors: int, cell_type: str = "hexahedron20") -> meshio.Mesh:
+    """Return a sector of a small fan: a hub ring of radii 40 to 80 mm, whose right half is thicker,
+    and a straight blade up to 200 mm that leans out of the plane of the ring."""
+
+    def shape(place: Array) -> Array:
+        r = 0.04 + 0.16 * place[:, 0]
+        theta = 2.0 * np.pi / sectors * (place[:, 1] - 0.5) * np.minimum(1.0, 0.08 / r)
+        z = 0.03 * (place[:, 2] - 0.3) + np.maximum(r - 0.08, 0.0) * 2.0 * (place[:, 1] - 0.4)
+        return np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
+
+    return grid_mesh(
+        *((4, 4, 1), shape, cell_type),
+        lambda centre: centre[0] < 0.25 or 0.25 < centre[1] < 0.75,
+        root=lambda place: place[:, 0] == 0.0,
+        tip=lambda place: (place[:, 0] == 1.0) & (place[:, 1] == 0.5),
+        left=lambda place: (place[:, 1] == 0.0) & (place[:, 0] <= 0.25 + 1e-9),
+        right=lambda place: (place[:, 1] == 1.0) & (place[:, 0] <= 0.25 + 1e-9),
+    )
+
+
+def whole(sector: meshio.Mesh, sectors: int) -> meshio.Mesh:
+    """Return the wheel of a sector; nodes at one place become one node."""
+    made = sector
+    for angle in 2.0 * np.pi / sectors * np.arange(1, sectors):
+        c, s = np.cos(angle), np.sin(angle)
+        x, y, z = sector.points.T
+        turned = np.stack([c * x - s * y, s * x + c * y, z], axis=1)
+        made = joined(made, meshio.Mesh(turned, sector.cells, point_sets=sector.point_sets))
+    groups = {name: nodes for name, nodes in made.point_sets.items() if name in ("root", "tip")}
+    return meshio.Mesh(made.points, [merged_cells(made)], point_sets=groups)
+
+
+def merged_cells(mesh: meshio.Mesh) -> tuple[str, Array]:
+    """Return the cells of all blocks of one type as one block."""
+    return mesh.cells[0].type, np.concatenate([block.data for block in mesh.cells])
