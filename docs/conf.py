@@ -43,3 +43,4 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}
+html_show_search_summary = False  # fetched page by page, which browsers refuse of file://

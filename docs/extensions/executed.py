@@ -1,9 +1,10 @@
 """Generated parts of pages: output of blocks, references, pictures.
 
 The blocks of pages with `executed: true` in the front matter are run before Sphinx reads the pages,
-if the page or the package changed since the last run. `<!-- generated: NAME -->` is replaced by the
-text NAME of `reference.GENERATED`, `<!-- picture: FILE | words -->` by the picture FILE that a
-block has drawn, with the words as alternative text.
+if the page or the package changed since the last run. `<!-- generated: NAME | ARGUMENT -->` is
+replaced by the text NAME of `reference.GENERATED`, of which some have arguments,
+`<!-- picture: FILE | words -->` by the picture FILE that a block has drawn, with the words as
+alternative text.
 """
 
 import hashlib
@@ -28,7 +29,7 @@ from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
 _HEAD = re.compile(r"\A---\n.*?^executed: true$.*?^---$", re.MULTILINE | re.DOTALL)
-_MARK = re.compile(r"^<!-- generated: (\S+) -->$", re.MULTILINE)
+_MARK = re.compile(r"^<!-- generated: (\S+)((?: \| .*?)*) -->$", re.MULTILINE)
 _PICTURE = re.compile(r"^<!-- picture: (\S+) \| (.*?) -->$", re.MULTILINE)
 LONGEST = ("verification", "tutorials/superelement", "tutorials/sweep", "tutorials/rotation")
 IMPORTED = (
@@ -116,7 +117,7 @@ def fill(app: Sphinx, document: str, source: list[str]) -> None:
         has_python = any(block.language == "python" for block in blocks.blocks(text) if block.runs)
         link = notebooks.write(document, text, folder / "built/notebooks") if has_python else ""
         text = _with_output(text, printed(folder, document)) + link
-    text = _MARK.sub(lambda match: reference.GENERATED[match[1]](), text)
+    text = _MARK.sub(lambda mark: reference.GENERATED[mark[1]](*mark[2].split(" | ")[1:]), text)
     built = f"{'../' * document.count('/')}built/{document}"
     source[0] = _PICTURE.sub(rf"![\2]({built}/\1)", text)
 

@@ -3,7 +3,7 @@
 import ast
 import inspect
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import Annotated, Any
 
@@ -41,18 +41,25 @@ PHRASES = (
 """Description of the expected value, for types of pydantic errors that do not describe it."""
 
 
-def case_keys() -> str:
-    """Return all keys of a case file, each with expected value, default and description."""
-    parts = ["".join(_entries(Case, "", ""))]
-    for name, field in Case.model_fields.items():
+def case_keys(*names: str) -> str:
+    """Return the keys of tables of a case, or of all tables, each with expected value, default and
+    description.
+
+    Raises:
+        KeyError: a case has no such table.
+    """
+    parts = []
+    for name in names or Case.model_fields:
+        field = Case.model_fields[name]
         tables = [] if name == "sketch" else list(tables_in(field.annotation))
         kinds: dict[type[Table], str] = dict.fromkeys(tables, "")
         kinds |= {table: kind for kind, table in KINDS.get(name, {}).items()}
+        parts += [] if kinds else _entries(Case, "", "", [name])
         for table, kind in kinds.items():
             title = f"{name}, type {kind}" if kind else name
             parts.append(f"## [{title}]\n\n{_words(_summary(table))}\n\n")
             suffix = f" ({kind})" if kind else ""
-            parts.append("".join(_entries(table, name, suffix)))
+            parts += _entries(table, name, suffix, table.model_fields)
     return "".join(parts)
 
 
@@ -100,18 +107,15 @@ def _expectation(rule: Rule) -> str:
     )
 
 
-def _entries(table: type[Table], place: str, suffix: str) -> Iterator[str]:
+def _entries(table: type[Table], place: str, suffix: str, names: Iterable[str]) -> Iterator[str]:
     descriptions = table.descriptions()
-    for name, field in table.model_fields.items():
+    for name in names:
+        field = table.model_fields[name]
         key = f"{place}.{name}" if place else name
-        inner = list(tables_in(field.annotation))
-        if not place and name not in ("title", "sketch"):
-            continue
         yield _entry(key + suffix, field, descriptions.get(name, ""))
-        for row in inner:
+        for row in tables_in(field.annotation) if name != "sketch" else ():
             listed = "tuple" in str(field.annotation)
-            if name != "sketch":
-                yield from _entries(row, f"{key}[]" if listed else key, suffix)
+            yield from _entries(row, f"{key}[]" if listed else key, suffix, row.model_fields)
 
 
 def _entry(key: str, field: FieldInfo, described: str) -> str:
@@ -208,32 +212,44 @@ def _figure(kind: FigureKind, *, drawn: bool) -> str:
     return f"### {kind.title}\n\n{called}\n\n{_words(kind.caption)}\n\n{picture}"
 
 
-_ROOMS = {
-    "Describe a stage": "models",
-    "Results and what follows from them": "postprocess",
-    "Studies": "studies",
-}
+def api(title: str) -> str:
+    """Return directives that document the public names under a title of the docstring of
+    bladewhirl.
+
+    Raises:
+        KeyError: the docstring has no such title.
+    """
+    names = sections_of_tour()[title]
+    parts = [_documented(f"bladewhirl.{name}", getattr(bw, name)) for name in names]
+    return "".join([f"## {title}\n\n```{{eval-rst}}\n", *parts, "```\n"])
 
 
-def api() -> str:
-    """Return directives that document the public names, in sections by layer."""
-    parts = []
-    for title, room in _ROOMS.items():
-        parts.append(f"## {title}\n\n```{{eval-rst}}\n")
-        for name in sorted(bw.__all__, key=str.lower):
-            thing = getattr(bw, name)
-            if getattr(thing, "__module__", "").split(".")[1:2] == [room]:
-                parts.append(_documented(f"bladewhirl.{name}", thing))
-        parts.append("```\n\n")
-    parts.append("## What runs and sweeps return\n\n```{eval-rst}\n")
-    for kind in (Run, Sweep):
-        parts.append(f".. autoclass:: {kind.__module__}.{kind.__name__}()\n   :members:\n\n")
-    parts.append("```\n\n")
-    parts.append("## Figures\n\n```{eval-rst}\n.. automodule:: bladewhirl.plot\n\n")
-    for name in sorted(bw.plot.__all__):
-        parts.append(f".. autofunction:: bladewhirl.plot.{name}\n\n")
-    parts.append("```\n")
-    return "".join(parts)
+def sections_of_tour() -> dict[str, list[str]]:
+    """Return the public names in the docstring of bladewhirl, in its order, by the titles there."""
+    parts = re.findall(r"^(\w.*)\n((?:    .*\n)+)", inspect.getdoc(bw) or "", re.MULTILINE)
+    return {
+        title: [
+            name for name in re.findall(r"`(\w+)`", text) if name in bw.__all__ and name != "plot"
+        ]
+        for title, text in parts
+    }
+
+
+def outcomes() -> str:
+    """Return directives that document what runs and sweeps return."""
+    documented = (
+        f".. autoclass:: {kind.__module__}.{kind.__name__}()\n   :members:\n\n"
+        for kind in (Run, Sweep)
+    )
+    return "".join(["```{eval-rst}\n", *documented, "```\n"])
+
+
+def figure_functions() -> str:
+    """Return directives that document the functions of `bladewhirl.plot`."""
+    documented = (
+        f".. autofunction:: bladewhirl.plot.{name}\n\n" for name in sorted(bw.plot.__all__)
+    )
+    return "".join(["```{eval-rst}\n.. automodule:: bladewhirl.plot\n\n", *documented, "```\n"])
 
 
 def _documented(name: str, thing: Any) -> str:
@@ -282,7 +298,7 @@ def decks() -> str:
     return "\n".join(parts)
 
 
-GENERATED = {
+GENERATED: dict[str, Callable[..., str]] = {
     "decks": decks,
     "case-keys": case_keys,
     "rules": rules,
@@ -293,6 +309,8 @@ GENERATED = {
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
     "branch-figures": partial(figures, BRANCH_FIGURES, drawn=True),
     "api": api,
+    "outcomes": outcomes,
+    "figure-functions": figure_functions,
     "licences": licences.table,
 }
-"""Functions that return parts of pages, by the name in `<!-- generated: NAME -->`."""
+"""Functions that return parts of pages, by the name in `<!-- generated: NAME | ARGUMENT -->`."""

@@ -13,6 +13,8 @@ from blocks import blocks
 from places import ROOT
 from typer.main import get_command
 
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import template
 from bladewhirl.studies.commands.cli import app
 
@@ -163,6 +165,24 @@ def test_every_key_of_the_template_is_in_the_reference() -> None:
             assert table + actual[1] in messages
 
 
+def arguments_of(name: str) -> list[str]:
+    """Arguments of the marks of a generated part on all pages."""
+    marks = re.findall(
+        rf"^<!-- generated: {name} \| (.*) -->$", "\n".join(TEXTS.values()), re.MULTILINE
+    )
+    return sorted(argument for mark in marks for argument in mark.split(" | "))
+
+
+def test_every_table_of_a_case_is_on_one_page() -> None:
+    assert arguments_of("case-keys") == sorted(Case.model_fields)
+
+
+def test_every_public_name_is_on_one_page() -> None:
+    tour = reference.sections_of_tour()
+    names = [name for title in arguments_of("api") for name in tour[title]]
+    assert sorted(names) == sorted({*bw.__all__} - {"__version__", "plot"})
+
+
 def test_every_command_and_option_is_in_the_reference() -> None:
     text = reference.commands()
     assert len(re.findall(r"^## bladewhirl [\w-]+$", text, flags=re.MULTILINE)) == len(
@@ -170,6 +190,11 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     )
     assert "```{option} --set KEY=VALUE\n" in text
     assert "```{option} -o, --output <path>\n" in text
+
+
+@pytest.mark.parametrize("name", [name for name in TEXTS if name.startswith("theory/")])
+def test_a_page_of_theory_has_a_picture(name: str) -> None:
+    assert "<!-- picture: " in TEXTS[name]
 
 
 @pytest.mark.parametrize("name", [name for name in TEXTS if name.startswith("theory/")])
