@@ -15,10 +15,11 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.choices import Field
+from bladewhirl.postprocess.pictures.colouring import Scale
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon, Surface, arrows, widened
-from bladewhirl.postprocess.plotting.style import COLOURS
 
 LAMP = unit(np.array([-0.35, 0.5, 0.8]))  #: direction to the lamp, in the axes of the picture
+LEVELS = 128  #: number of colours of a scale
 FINE = 4000  #: triangles of a surface are halved until there are as many
 AMBIENT = 0.55  #: brightness of a surface that the lamp does not reach
 
@@ -28,75 +29,74 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
 
     Returns:
         Dataset: `outline` (polygon, corner, axis) [m] as drawn, `value` (polygon,) of the field in
-        the unit of the scale, nan without a value (the wall), and `shade` (polygon, rgb);
-        `arrow` (contact_node, arrow_corner, axis) [m], outlines of contact forces. Attributes: the
-        scale with `label`, `low`, `high` and `colours`, and the text `notes`.
+        the unit of its scale, nan without a value, and `shade` (polygon, rgb), the colour; `arrow`
+        (contact_node, arrow_corner, axis) [m], outlines of contact forces; for the scales of rotor
+        and wall, named by their labels, `limits` (scale, end) and `colours` (scale, level). The
+        attribute `notes` is a text.
     """
     drawing = Drawing(dataset, np.array([record]), colour=colour)
     picture, field = drawing.picture(0), drawing.colouring
-    scale = field.disk
     reach = max(drawing.reach())
     outlines, values, shades = [], [], []
 
-    def add(corners: Array, found: Array, fixed: str | None, light: Array | float) -> None:
-        """Add polygons of corners (polygon, 4, 2) with values of the field or a fixed colour."""
-        norm = Normalize(*scale.limits)
-        face = scale.colours(norm(np.nan_to_num(scale.factor * found)))[:, :3]
-        face[np.isnan(found)] = to_rgb(look.NO_VALUE)
-        face = face if fixed is None else np.full_like(face, to_rgb(fixed))
+    def add(corners: Array, found: Array, scale: Scale | str, light: Array | float) -> None:
+        """Add polygons of corners (polygon, 4, 2) with values of the field, or a fixed colour."""
+        if isinstance(scale, str):
+            found, face = np.full(len(corners), np.nan), np.tile(to_rgb(scale), (len(corners), 1))
+        else:
+            found = scale.factor * found
+            face = scale.colours(Normalize(*scale.limits)(np.nan_to_num(found)))[:, :3]
+            face[np.isnan(found)] = to_rgb(look.NO_VALUE)
         outlines.append(corners)
-        values.append(np.full(len(corners), np.nan) if fixed else scale.factor * found)
+        values.append(found)
         shades.append(face * np.reshape(light, (-1, 1)))
 
     if len(picture.surface.points):
         depth = []
-        bodies: list[tuple[Surface, IntArray, str | None]]
-        bodies = [(picture.surface, drawing.triangles, None)]
+        bodies: list[tuple[Surface, IntArray, Scale | str]]
+        bodies = [(picture.surface, drawing.triangles, field.disk)]
         bodies += [
-            (placed, solid.triangles, solid.colour)
+            (placed, solid.triangles, solid.colour or field.wall)
             for placed, solid in zip(picture.solids, drawing.solids, strict=True)
         ]
-        for surface, triangles, fixed in bodies:
+        for surface, triangles, scale in bodies:
             corner, values_at = surface.points[triangles], surface.values[triangles]
             normal = _normals(corner, triangles)
             front = normal[:, 2] > 0.0
             corner = np.dstack([corner, values_at, np.repeat(normal[:, None], 3, axis=1)])[front]
-            while fixed is None and 0 < len(corner) < FINE:
+            while not isinstance(scale, str) and 0 < len(corner) < FINE:
                 corner = _halved(corner)
             light = AMBIENT + (1.0 - AMBIENT) * np.maximum(corner[:, 0, 4:] @ LAMP, 0.0)
-            add(corner[:, [0, 1, 2, 2], :2], corner[..., 3].mean(axis=1), fixed, light)
+            add(corner[:, [0, 1, 2, 2], :2], corner[..., 3].mean(axis=1), scale, light)
             depth.append(corner[..., 2].mean(axis=1))
         order = np.argsort(np.concatenate(depth), kind="stable")
     else:
         edge = look.OUTLINE * reach
-        for ribbon in (picture.casing, picture.rotor):
-            rim, _ = _ribbon(replace(ribbon, sides=widened(ribbon.sides, edge, edge)))
-            add(rim, np.full(len(rim), np.nan), look.INK, 1.0)
-            add(*_ribbon(ribbon), COLOURS["casing"] if ribbon is picture.casing else None, 1.0)
+        for ribbon, scale in ((picture.casing, field.wall), (picture.rotor, field.disk)):
+            rim, none = _ribbon(replace(ribbon, sides=widened(ribbon.sides, edge, edge)))
+            add(rim, none, look.INK, 1.0)
+            add(*_ribbon(ribbon), scale, 1.0)
         order = np.arange(sum(map(len, outlines)))
     length = look.metres_per_newton(drawing.largest_force, reach)
     notes = [f"{look.time_text(picture.time, drawing.record_step)}, {drawing.frame} frame"]
     notes.append(look.enlargement(drawing.exaggeration).replace("\n", " "))
     if drawing.largest_force:
         notes.append(f"longest arrow: {handy(drawing.largest_force, 'N', 3)} with friction")
-    attributes: dict[str, Any] = {
-        "label": f"{field.name} [{scale.unit}]",
-        "low": scale.limits[0],
-        "high": scale.limits[1],
-        "colours": scale.shades(256),
-        "notes": "\n".join(notes),
-    }
+    scales = field.scales
     return xr.Dataset(
         {
             "outline": (("polygon", "corner", "axis"), np.concatenate(outlines)[order]),
             "value": ("polygon", np.concatenate(values)[order]),
             "shade": (("polygon", "rgb"), np.concatenate(shades)[order]),
+            "limits": (("scale", "end"), [one.limits for one in scales.values()]),
+            "colours": (("scale", "level"), [one.shades(LEVELS) for one in scales.values()]),
             "arrow": (
                 ("contact_node", "arrow_corner", "axis"),
                 arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * reach),
             ),
         },
-        attrs=attributes,
+        {"scale": [f"{field.name}, {label}" for label in scales]},
+        {"notes": "\n".join(notes)},
     )
 
 
@@ -134,7 +134,8 @@ def _ribbon(ribbon: Ribbon) -> tuple[Array, Array]:
 
 
 def draw_flat(axes: Axes, stage: xr.Dataset) -> None:
-    """Draw a stage from `flat_stage` in a panel, with its colour bar and contact forces."""
+    """Draw a stage from `flat_stage` in a panel, with its contact forces, and the colour bars of
+    rotor and wall side by side below it."""
     shade = stage["shade"].values
     look_of: dict[str, Any] = {"facecolors": shade, "edgecolors": shade, "linewidths": 0.2}
     axes.add_collection(PolyCollection([*stage["outline"].values], rasterized=True, **look_of))
@@ -142,8 +143,10 @@ def draw_flat(axes: Axes, stage: xr.Dataset) -> None:
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.set_axis_off()
-    scale = Normalize(stage.attrs["low"], stage.attrs["high"])
-    bar = ScalarMappable(scale, ListedColormap(stage.attrs["colours"]))
-    axes.figure.colorbar(
-        bar, ax=axes, location="bottom", label=stage.attrs["label"], shrink=0.6, aspect=35, pad=0.02
-    )
+    count = stage.sizes["scale"]
+    for number, name in enumerate(stage["scale"].values):
+        colours = ListedColormap(stage["colours"].values[number].tolist())
+        shown = ScalarMappable(Normalize(*stage["limits"].values[number]), colours)
+        box = axes.inset_axes((number / count + 0.05, -0.04, 1.0 / count - 0.1, 0.025))
+        axes.figure.colorbar(shown, cax=box, orientation="horizontal", label=str(name))
+        box.locator_params(axis="x", nbins=5)
