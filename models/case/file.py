@@ -195,7 +195,7 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
     The caller adds the name of the file, with `faults_from`.
     """
     if key == "march.time_step" and case.march.steps_per_revolution is not None:
-        key, expected = "march.steps_per_revolution", f"more; a time step of {expected}"
+        key, expected = "march.steps_per_revolution", f"more, for a time step of {expected}"
     path = path_of(key)
     return Fault(key=dotted(path), value=value_at(case.model_dump(), path), expected=expected)
 

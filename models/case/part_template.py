@@ -1,6 +1,6 @@
 """Case file for a superelement, `bladewhirl new --from part.npz`: only keys that matter for it."""
 
-from math import pi
+from math import ceil, log2, pi
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,12 @@ the clearance, which the lobes alone leave open at the start."""
 
 GAP = pi / 2.0  #: largest angle between neighbouring contact nodes of a whole wheel [rad]
 
+MODES, FEW = 10, 6
+"""Number of free-interface modes of each blade or sector, and of the blades of a wheel whose blades
+are not known."""
+
+SHARE = 0.6  #: largest time step, divided by the critical one
+
 RECORDS = 200  #: number of records in a revolution
 
 INTERVALS = 10  #: number of intervals between the speeds of a sweep
@@ -26,7 +32,12 @@ RANGE = (0.5, 1.5)
 
 
 def part_template(
-    file: str, part: Superelement, reference: float, speeds: FloatArray | None, case: Path
+    file: str,
+    part: Superelement,
+    reference: float,
+    critical: float,
+    speeds: FloatArray | None,
+    case: Path,
 ) -> str:
     """Return a case file with comments for a superelement.
 
@@ -34,6 +45,7 @@ def part_template(
         file: path of the superelement, relative to the case file.
         part: the superelement.
         reference: its lowest frequency at rest [rad/s].
+        critical: critical time step of its reduction to `modes_of` modes [s].
         speeds: range of speeds [rad/s]; by default about the default speed of a case.
         case: path of the case file, for the commands in the comments.
     """
@@ -54,19 +66,23 @@ def part_template(
     if part.stiffness_speed is not None:
         effects = "centrifugal" if part.gyroscopic is None else "full"
         about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
+    steps = STEPS * 2 ** max(0, ceil(log2(turn / (SHARE * critical * STEPS))))
     file_line = f"file = {toml_value(file)}"
+    wheel = _is_wheel(part)
+    owner = "of the whole wheel" if wheel else "of each blade or sector"
+    records = handy(float(f"{turn / RECORDS:.2g}"), "s")
     copies, of = part.sectors or 1, "blades at equal angles, clamped at their roots"
     if part.left_dofs is not None:
         copies, of = part.sectors or 2, "sectors of the wheel, as in the file"
     elif part.sectors:
         of = "blades of the wheel, as in the file"
-    elif part.centre_dofs is not None or _goes_round(part):
+    elif wheel:
         of = "blades of the wheel; 1 does not distinguish them"
         file_line += '\nkind = "wheel"'
     made = f"# The file was made by: {part.command}\n" if part.command else ""
     return f"""\
 # bladewhirl modes {case}
-# bladewhirl campbell {case} --speeds "0 rpm:{high:.10g} rpm"
+# bladewhirl campbell {case} --speeds "0 rpm:{high:.10g} rpm" --orders 2,4
 # bladewhirl run {case}
 # bladewhirl sweep {case} --over "march.speed={span}"
 {made}title = {toml_value(part.name)}
@@ -76,7 +92,7 @@ def part_template(
 copies = {copies}  # {of}
 
 [reduction]
-free_interface_modes = 10  # of each blade or sector
+free_interface_modes = {modes_of(part)}  # {owner}
 
 [casing]
 type = "rigid"  # "ring" is a flexible casing, with keys of its own
@@ -95,12 +111,21 @@ effects = "{effects}"  # {about}
 [march]
 speed = "{float(f"{speed * 30.0 / pi:.4g}"):.10g} rpm"  # {reason}
 revolutions = {REVOLUTIONS}
-steps_per_revolution = {STEPS}  # twice as many show the error of the time steps
-record_step = "{handy(turn / RECORDS, "s", 2)}"  # about {RECORDS} records in a revolution
+steps_per_revolution = {steps}  # twice as many show the error of the time steps
+record_step = "{records}"  # about {RECORDS} records in a revolution
 """
 
 
-def _goes_round(part: Superelement) -> bool:
-    """Return whether a part without cut faces has contact nodes all the way round."""
+def modes_of(part: Superelement) -> int:
+    """Return the number of free-interface modes: `MODES` of each blade."""
+    modes = MODES * (part.sectors or FEW if _is_wheel(part) else 1)
+    return min(modes, part.size - 1)
+
+
+def _is_wheel(part: Superelement) -> bool:
+    """Return whether a part is a wheel in one piece, whose contact nodes are all the way round."""
+    if part.left_dofs is not None:
+        return False
     angle = np.sort(part.contact_angle)
-    return bool(np.diff(angle, append=angle[0] + 2.0 * pi).max() < GAP)
+    around = np.diff(angle, append=angle[0] + 2.0 * pi).max() < GAP
+    return bool(part.sectors or part.centre_dofs is not None or around)

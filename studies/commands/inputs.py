@@ -60,7 +60,8 @@ def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
     import os
     from math import pi
 
-    from bladewhirl.models.case.part_template import part_template
+    from bladewhirl.models.case.part_template import modes_of, part_template
+    from bladewhirl.models.superelements.critical_step import critical_time_step
     from bladewhirl.models.superelements.file import read_superelement
     from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
 
@@ -70,7 +71,8 @@ def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
     ]
     reference = 2.0 * pi * min(one for one in found if one > ELASTIC * max(found))
     ends = None if speeds is None else reference * speeds.values(reference)
-    return part_template(os.path.relpath(file, case.parent), part, reference, ends, case)
+    critical = critical_time_step(part, modes_of(part))
+    return part_template(os.path.relpath(file, case.parent), part, reference, critical, ends, case)
 
 
 def mesh(

@@ -93,9 +93,9 @@ OF_SUPERELEMENT = (
     Column("reference_frequency.hz", "lowest frequency [Hz]", ".6g"),
     Column("speed.rpm", "speed [rpm]", ".6g"),
     Column("speed.normalised", "speed / lowest frequency", ".5g"),
-    Column("modes", "modes of each copy", "d"),
+    Column("modes", "modes of all copies", "d"),
     Column("frequency_error", "error of the lowest frequencies at this speed", ".1g"),
-    Column("stress_points", "points with stress of each copy", "d"),
+    Column("stress_points", "points with stress", "d"),
     Column("smallest_clearance", "smallest clearance [mm]", ".4g", 1e3),
     Column("coating.tracks", "tracks of the coating", "d"),
     Column("coating.rods", "rods of each track", "d"),
@@ -177,7 +177,7 @@ def _of_superelement(stage: Matrices) -> Shown:
     from bladewhirl.studies.runs.properties import superelement_properties
 
     derived = superelement_properties(stage)
-    title = "Contact nodes" + " of a copy" * (stage.copies > 1)
+    title = "Contact nodes" + " of a copy" * (stage.table.copies > 1 and not np.ptp(stage.factor))
     tables = [
         facts(texts(derived, OF_SUPERELEMENT)),
         table(derived["contact_nodes"], NODES, title),

@@ -276,7 +276,7 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
     document, operated = coincidence_list(diagram), operating_range(diagram)
     first, last = diagram.attrs["speeds"]
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    tables = []
+    tables: list[Any] = []
     if "casing" in diagram["mode_body"].values:
         title = f"Coincidence speeds from {first:g} to {last:g} ω₁"
         tables.append(table(rows, _coincidences(diagram), title))
@@ -294,6 +294,9 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         document["speeds_to_avoid"] = speeds_to_avoid(document, (low, high))
         title = f"Speeds to avoid, to {NEAR:.0%} from the operating range"
         tables.append(table(document["speeds_to_avoid"], AVOID, title))
+    if not tables:
+        none = "No engine order or lobe of the wall excites a family between these speeds"
+        tables.append(f"{none}; --orders adds orders.")
     if page is not None:
         from bladewhirl.postprocess.reports.campbell import campbell_page
         from bladewhirl.postprocess.reports.page import write_page

@@ -79,8 +79,8 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
         count: number of modes of a superelement and each state of its centre; all of beams.
 
     Returns:
-        The modes of each body, ascending. Attributes: `centre`, free or clamped as in the case, and
-        `reference_frequency_hz`, by which frequencies are normalised.
+        The modes of each body, ascending. Attributes: `centre`, free or clamped as in the case,
+        `reference_frequency_hz`, by which frequencies are normalised, and `speed_rpm`.
 
     Raises:
         CaseError: finite elements cannot be computed with the numbers of the case.
@@ -96,6 +96,7 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
         centre=stage.centre,
         rotation_effects=stage.effects,
         hints="; ".join(stage.disk.hints),
+        speed_rpm=stage.speed * 30.0 / np.pi,
         reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
     )
 
@@ -172,9 +173,11 @@ def report(computed: xr.Dataset, count: int) -> Study:
     they contain no information.
     """
     tables, centre = [], computed.attrs["centre"]
+    turning = computed.attrs["rotation_effects"] != "none"
+    at = f", at {computed.attrs['speed_rpm']:.6g} rpm" if turning else ""
     columns = (*COLUMNS, *AT_SPEED) if "wave" in computed["pattern"].values else COLUMNS
     for title, body in (
-        (f"Bladed disk, {centre} centre", {"body": "bladed-disk", "centre": centre}),
+        (f"Bladed disk, {centre} centre{at}", {"body": "bladed-disk", "centre": centre}),
         ("Casing", LISTS["casing"]),
     ):
         listed = _selected(computed, body)

@@ -1,6 +1,6 @@
 """A modal study as its command prints and draws it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,7 @@ class Study:
 
     name: str  #: name of the command
     document: dict[str, Any]  #: JSON document
-    tables: "list[Table]"  #: printed without --json
+    tables: "Sequence[Table | str]"  #: printed without --json
     figures: Callable[[], Figures] | None = None  #: draws the figures
     hints: str = ""  #: warnings about the results, separated by semicolons
     page: Path | None = None  #: page that is already written

@@ -215,15 +215,15 @@ def superelement_properties(stage: Matrices) -> dict[str, Any]:
     return {
         "superelement": stage.part.name,
         "source": stage.part.source,
-        "coordinates": stage.part.size,
-        "copies": stage.copies,
+        "coordinates": stage.table.part.size,
+        "copies": stage.table.copies,
         "reference_frequency": {"hz": reference / (2.0 * np.pi), "rad_per_s": reference},
         "speed": {"rad_per_s": speed, "rpm": speed * 30.0 / np.pi, "normalised": speed / reference},
-        "modes": problem.rotor.tip_radial.shape[1],
+        "modes": problem.rotor.tip_radial.shape[1] * stage.copies,
         "frequency_error": basis_error(stage),
         "smallest_clearance": float(problem.casing.clearance[:, 0].min() + stage.recess.min()),
         **({"coating": coating} if coating else {}),
-        **({} if stage.reduced.stress is None else {"stress_points": stage.part.point_count}),
+        **({} if stage.reduced.stress is None else {"stress_points": stage.given.point_count}),
         "contact_nodes": list(_nodes(stage)),
         "critical_time_step": limit,
         "dt_over_critical": timing.time_step / limit,
@@ -237,7 +237,8 @@ def _nodes(stage: Matrices) -> Iterator[dict[str, Any]]:
     part, residual = stage.part, np.diag(stage.reduced.compliance)
     radial, _ = stage.static_response()
     locking = stage.locking_friction()
-    for node in range(part.contacts):
+    equal = stage.table.copies // stage.copies if np.ptp(stage.factor) == 0.0 else 1
+    for node in range(part.contacts // equal):
         yield {
             "node": node,
             "radius": float(part.contact_radius[node]),

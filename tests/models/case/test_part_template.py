@@ -10,8 +10,12 @@ from command_line import answer, refusal
 from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever, wheel_frequencies
 
 import bladewhirl as bw
+from bladewhirl.models.case.part_template import modes_of
 from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
+from bladewhirl.models.stage.build import build_stage
+from bladewhirl.models.superelements.critical_step import critical_time_step
 from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.studies.runs.properties import superelement_properties
 
 
 @cache
@@ -47,6 +51,23 @@ def test_a_case_for_a_part_runs_as_it_is(
     assert max(run.summary.contact_share) > 0.0
     for command in text.splitlines()[:2]:
         assert command.startswith("# bladewhirl ")
+
+
+@pytest.mark.parametrize("kind", ["sector", "blade"])
+def test_the_steps_of_a_case_suit_its_critical_time_step(tmp_path: Path, kind: str) -> None:
+    part = parts(kind)
+    bw.write_superelement(tmp_path / "part.npz", part)
+    for speeds in ([], ["--speeds", "0 rpm:4000 rpm"]):
+        answer("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz", "--force", *speeds)
+        case = bw.read_case(tmp_path / "part.toml")
+        found = superelement_properties(build_stage(case))
+        assert found["dt_over_critical"] < 1.0
+        assert found["coordinates"] == part.size
+        assert found["copies"] == case.bladed_disk.count
+        assert len(found["contact_nodes"]) == part.contacts
+    assert case.march.steps_per_revolution > STEPS  # a revolution takes long
+    about = critical_time_step(part, modes_of(part))
+    assert about == pytest.approx(found["critical_time_step"], rel=0.2)
 
 
 def test_the_range_of_speeds_is_taken(tmp_path: Path) -> None:

@@ -209,7 +209,7 @@ def test_a_wheel_in_one_piece_has_the_modes_of_its_sector(
 
 
 def test_blades_that_do_not_repeat_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(bw.CaseError, match=r"copies = 5.*contact nodes do not lie on others"):
+    with pytest.raises(bw.CaseError, match="contact nodes do not lie on others"):
         bw.mesh3d(
             *(wheel(bladed_sector("tetra")),), **STEEL,
             clamped="r < 0.051", contact="outermost", copies=5,

@@ -202,3 +202,18 @@ def test_veering_as_one_document() -> None:
         "frequency_hz": pytest.approx(content["reference_frequency_hz"]),
         "normalised": 1.0,
     }
+
+
+def test_modes_at_a_speed_say_which(case: Path) -> None:
+    at_speed = answer("modes", case, "--set", "rotation.effects=centrifugal").stdout
+    speed = bw.build_stage(bw.read_case(case)).speed * 30.0 / np.pi
+    assert f"centre, at {speed:.6g} rpm" in at_speed
+    assert "rpm" not in answer("modes", case).stdout
+
+
+def test_a_campbell_diagram_without_resonances_says_so(case: Path) -> None:
+    rigid = ("--set", "casing.type=rigid", "--set", "excitation.type=none")
+    printed = answer("campbell", case, "--json", *rigid)
+    assert not json.loads(printed.stdout)["coincidences"]
+    printed = answer("campbell", case, "-o", case.parent / "diagrams", *rigid)
+    assert "--orders adds orders" in printed.stdout
