@@ -266,8 +266,11 @@ def still_stage(case: Case, count: int | None) -> Matrices:
     table = case.bladed_disk.superelement
     assert table is not None
     still = without_rotation(case)
-    if _is_of_equal_sectors(case) and count is not None:
-        still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
+    if count is not None and case.reduction.boundary == "massless":
+        if _is_of_equal_sectors(case):
+            still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
+        elif table.kind != "sector":
+            still = _with_modes(still, FEWEST)  # the blocks have the modes that are listed
     return build_matrices(still)
 
 
@@ -329,14 +332,15 @@ def _blocks(
     table, part, equal = stage.table, structure_of(case), _is_of_equal_sectors(case)
     each = each if count is None else count
     couples = part.gyroscopic is not None or part.damping is not None
-    if count is None or (case.rotation.effects != "none" and not equal):
-        couples = True  # at speeds between those of the blocks, and where the wall holds tips
+    between = count is None
+    couples |= between  # at speeds between those of the blocks, and where the wall holds tips
     coupled = COUPLED if count is None else COUPLED_AT_ONE_SPEED
     if table.kind == "sector":
         coupled = COUPLED_IN_SECTORS
     further = coupled if couples else 0
     if table.kind == "blade":
-        return {"clamped": blade_blocks(part, table.copies, each + further, highest)}
+        each += further
+        return {"clamped": blade_blocks(part, table.copies, each, highest, between=between)}
     if case.bladed_disk.mistuning.is_given(table.copies) and table.kind == "sector":
         return {"clamped": {UNKNOWN: block_of(build_matrices(case).reduced)}}
     if equal and count is not None:
@@ -345,24 +349,25 @@ def _blocks(
         return {"clamped": sector_blocks(stage.given, table.copies, each + further, highest)}
     total = (each + further) * (table.copies if count is None else 1)
     springs = case.shaft.stiffnesses
-    if part.centre_dofs is None:
-        return {"clamped": wheel_blocks(part, springs, table.copies, total, highest)}
-    part = on_springs(case, part)
-    states = {"free": part, "clamped": with_clamped_centre(part)}
+    states = {"clamped": part}
+    if part.centre_dofs is not None:
+        part = on_springs(case, part)
+        states = {"free": part, "clamped": with_clamped_centre(part)}
     return {
-        centre: wheel_blocks(state, springs, table.copies, total, highest)
+        centre: wheel_blocks(state, springs, table.copies, total, highest, between=between)
         for centre, state in states.items()
     }
 
 
 def _with_modes(case: Case, each: int) -> Case:
-    """Return a case whose sector is reduced to some modes of each nodal diameter, or all but one
-    of them."""
+    """Return a case whose part is reduced to some modes, those of a sector of each nodal diameter;
+    or to all but one of them."""
     table = case.bladed_disk.superelement
     assert table is not None
     part = table.part
-    assert part.right_dofs is not None
-    most = part.size - int(np.count_nonzero(part.right_dofs != FIXED)) - 1
+    most = part.size - 1
+    if part.right_dofs is not None:
+        most -= int(np.count_nonzero(part.right_dofs != FIXED))
     reduction = case.reduction.model_copy(update={"free_interface_modes": min(each, most)})
     return case.model_copy(update={"reduction": reduction})
 

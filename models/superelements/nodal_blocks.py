@@ -83,7 +83,9 @@ Blocks = Mapping[int, NodalBlock]
 """Blocks by nodal diameter; the key `UNKNOWN` for the only block if the blades are not equal."""
 
 
-def blade_blocks(part: Superelement, blades: int, count: int, highest: float = 0.0) -> Blocks:
+def blade_blocks(
+    part: Superelement, blades: int, count: int, highest: float = 0.0, *, between: bool = True
+) -> Blocks:
     """Return the blocks of equal blades that do not influence each other, one for each nodal
     diameter.
 
@@ -92,11 +94,12 @@ def blade_blocks(part: Superelement, blades: int, count: int, highest: float = 0
         blades: number of blades.
         count: number of modes of a blade at a speed, see `over_speeds`.
         highest: highest speed at which the blocks are used [rad/s].
+        between: whether the blocks are used at speeds between rest and the highest.
     """
     if part.size <= min(count, ALL):
         shapes = la.eigh(dense(part.stiffness), dense(part.mass))[1]
     else:
-        most, states = min(count, part.size - 1), over_speeds(part, highest)
+        most, states = min(count, part.size - 1), over_speeds(part, highest, between=between)
         shapes = joined(part, [lowest_modes(each, most)[1] for each in states])
     block = _block(part, np.asarray(shapes, dtype=np.complex128), 0)
     return {k: replace(block, nodal_diameter=k) for k in range(blades // 2 + 1)}
@@ -199,6 +202,8 @@ def wheel_blocks(
     blades: int,
     count: int,
     highest: float = 0.0,
+    *,
+    between: bool = True,
 ) -> Blocks:
     """Return the blocks of a whole bladed disk; the only block `UNKNOWN` if its blades differ or
     are not to be distinguished.
@@ -209,8 +214,9 @@ def wheel_blocks(
         blades: number of blades, whose contact nodes are listed one blade after the other.
         count: number of modes at a speed, see `over_speeds`; all of a small wheel.
         highest: highest speed at which the blocks are used [rad/s].
+        between: whether the blocks are used at speeds between rest and the highest.
     """
-    states = over_speeds(part, highest) if part.size > ALL else (part,)
+    states = over_speeds(part, highest, between=between) if part.size > ALL else (part,)
     modes = [_wheel_modes(each, count) for each in states]
     found = [_by_nodal_diameter(part, *each, blades) if blades > 1 else None for each in modes]
     groups = [each for each in found if each is not None]
