@@ -42,6 +42,7 @@ from bladewhirl.models.structure.waves import Waves
 from bladewhirl.models.superelements.nodal_blocks import (
     UNKNOWN,
     Blocks,
+    NodalBlock,
     blade_blocks,
     block_of,
     sector_blocks,
@@ -386,19 +387,21 @@ def _lowest_blocks(
     """
     table, equal = still.bladed_disk.superelement, replace(part, blade_stiffness=None)
     assert table is not None
-    while True:
-        each = still.reduction.free_interface_modes
-        if highest or further:
-            blocks = sector_blocks(equal, table.copies, each + further, highest, between=False)
+    known, blocks = dict[int, int](), dict[int, NodalBlock]()  # number of modes; blocks
+    short, each = [*range(table.copies // 2 + 1)], still.reduction.free_interface_modes
+    while short:
+        if highest or further or blocks:
+            own = (equal, table.copies, each + further, highest)
+            blocks |= sector_blocks(*own, between=False, diameters=short)
         else:
             blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0).blocks))
-        squares = [la.eigvalsh(block.stiffness_at(highest))[:each] for block in blocks.values()]
-        reached = min(found.max() for found in squares)
-        if each >= count or np.count_nonzero(np.concatenate(squares) <= reached) >= count:
-            return blocks
-        still = _with_modes(still, 2 * each)
-        if still.reduction.free_interface_modes == each:
-            return blocks
+        known |= dict.fromkeys(short, each)
+        squares = {k: la.eigvalsh(blocks[k].stiffness_at(highest))[: known[k]] for k in blocks}
+        every = np.sort(np.concatenate([*squares.values()]))
+        limit = every[count - 1] if count <= len(every) else np.inf
+        each = _with_modes(still, 2 * each).reduction.free_interface_modes
+        short = [k for k, found in squares.items() if found[-1] < limit and known[k] < each]
+    return blocks
 
 
 def _acted_on(blocks: Blocks, effects: Effects) -> Blocks:

@@ -28,7 +28,8 @@ def critical_time_step(part: Superelement, modes: int) -> float:
         return 2.0 / stiffest(squares, rows @ shapes, rows @ moved)
     assert part.sectors is not None
     with sector_errors(STIFF):
-        sector = Sector(part, part.sectors, modes=modes, loads=rows.shape[0], rigid=True)
+        solved = {"modes": modes, "loads": rows.shape[0], "waves": 1}
+        sector = Sector(part, part.sectors, **solved, rigid=True)
         wave = sector.wave(part.sectors // 2)
         squares, shapes = wave.lowest(modes)
         contact = rows @ wave.tie

@@ -8,7 +8,7 @@ are equal; the eigenvalues exp(i k alpha) of this map give the nodal diameters. 
 equal matrices for every nodal diameter.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
@@ -114,6 +114,7 @@ def sector_blocks(
     touched: bool = False,
     mistuned: bool = True,
     between: bool = True,
+    diameters: Sequence[int] | None = None,
 ) -> Blocks:
     """Return the blocks of a wheel of equal sectors.
 
@@ -130,6 +131,7 @@ def sector_blocks(
             flexibility of the contact nodes is known; the sector must then have no rigid modes.
         mistuned: whether the touched blades differ, if the sector has blade_stiffness.
         between: whether the blocks are used at speeds between rest and the highest.
+        diameters: the nodal diameters; all by default.
 
     Raises:
         SuperelementError: the sector takes too much memory, its faces do not match, or it has
@@ -140,9 +142,11 @@ def sector_blocks(
     velocity = [] if touched else [*map(sp.csr_array, part.given(BY_VELOCITY).values())]
     solutions = loads.shape[1] + len(velocity) * count
     solutions += differ * lanczos_vectors(count)  # modes are computed twice
+    chosen = range(sectors // 2 + 1) if diameters is None else diameters
+    solved = {"modes": count, "loads": solutions, "waves": len(chosen)}
     with sector_errors(RIGID_SECTOR if touched else STIFF):
         states = [
-            Sector(state, sectors, modes=count, loads=solutions, rigid=not touched)
+            Sector(state, sectors, **solved, rigid=not touched)
             for state in over_speeds(part, highest, between=between)
         ]
         of_blade = np.zeros((part.size, 0))
@@ -173,7 +177,7 @@ def sector_blocks(
             moved = wave.tie @ wave.static(np.hstack(forces), shapes, exact=touched)
             yield np.asarray(moved[:, np.any(moved, axis=0)], dtype=np.complex128)
 
-        return dict(enumerate(states[0].each_wave(block)))
+        return dict(zip(chosen, states[0].each_wave(block, chosen), strict=True))
 
 
 def _blade_loads(part: Superelement, states: list[Sector], count: int) -> FloatArray:

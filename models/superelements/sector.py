@@ -58,7 +58,14 @@ class Sector:
     """A sector with what the waves of all nodal diameters share."""
 
     def __init__(
-        self, part: Superelement, sectors: int, *, modes: int, loads: int, rigid: bool
+        self,
+        part: Superelement,
+        sectors: int,
+        *,
+        modes: int,
+        loads: int,
+        rigid: bool,
+        waves: int | None = None,
     ) -> None:
         """Factorise the shifted stiffness, or find the order of elimination.
 
@@ -68,6 +75,7 @@ class Sector:
             modes: number of modes of each nodal diameter that will be computed.
             loads: number of static solutions of each nodal diameter that will be computed.
             rigid: whether the wheel may have rigid modes.
+            waves: number of nodal diameters that will be computed; all by default.
 
         Raises:
             SuperelementError: the superelement is not a sector, or takes too much memory.
@@ -82,7 +90,7 @@ class Sector:
         """Coordinates on both faces, (f,)."""
         self.kept = np.setdiff1d(np.arange(part.size), part.right_dofs)
         """Coordinates that are not on the right face, (n,)."""
-        waves, large = sectors // 2 + 1, len(self.faces) >= 2 * LARGE_FACE
+        waves, large = waves or sectors // 2 + 1, len(self.faces) >= 2 * LARGE_FACE
         # The large fronts of a large face use all cores, and take much memory.
         self._workers = 1 if large else min(cores(), waves)
         self._threads = cores() if large and part.size >= LARGE else 1

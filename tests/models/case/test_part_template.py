@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from command_line import answer, refusal
@@ -13,6 +13,7 @@ import bladewhirl as bw
 from bladewhirl.models.case.part_template import modes_of
 from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
 from bladewhirl.models.stage.build import build_stage
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.critical_step import critical_time_step
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.studies.runs.properties import superelement_properties
@@ -60,7 +61,7 @@ def test_the_steps_of_a_case_suit_its_critical_time_step(tmp_path: Path, kind: s
     for speeds in ([], ["--speeds", "0 rpm:4000 rpm"]):
         answer("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz", "--force", *speeds)
         case = bw.read_case(tmp_path / "part.toml")
-        found = superelement_properties(build_stage(case))
+        found = superelement_properties(cast(Matrices, build_stage(case)))
         assert found["dt_over_critical"] < 1.0
         assert found["coordinates"] == part.size
         assert found["copies"] == case.bladed_disk.count
