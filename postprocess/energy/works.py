@@ -163,17 +163,25 @@ def _closure_work(dataset: xr.Dataset) -> Array:
     return work
 
 
-def late_drive_power(dataset: xr.Dataset) -> float:
-    """Return the mean power of the drive over the whole revolutions in the last third of the time
-    [W], or over this third if it has none or the speed varies; nan for a single record."""
-    work, time = drive_work(dataset), dataset["time"].values
+def friction_torque_impulse(dataset: xr.Dataset) -> Array:
+    """Return the impulse of the torque of friction that a drive resists, since the start [N m s],
+    (time,)."""
+    dragged = dataset.variables["friction_impulse"].values.sum(axis=1)
+    return np.asarray(float(dataset.attrs["tip_radius"]) * np.cumsum(dragged))
+
+
+def late_rate(dataset: xr.Dataset, since_start: Array) -> float:
+    """Return the mean rate of a quantity, (time,), over the whole revolutions in the last third of
+    the time, or over this third if it has none or the speed varies; nan for a single record. The
+    rate of `drive_work` is the power of the drive [W]."""
+    time = dataset["time"].values
     begin = float(time[-late_part(dataset).sizes["time"]])
     if time[-1] <= begin:
         return float("nan")
     speed = abs(float(dataset.attrs["speed"])) if "rotation_speed" not in dataset else 0.0
     if (whole := int(speed * (time[-1] - begin) / (2.0 * np.pi) + 1e-9)) > 0:
         begin = float(time[-1]) - 2.0 * np.pi * whole / speed
-    return float((work[-1] - np.interp(begin, time, work)) / (time[-1] - begin))
+    return float((since_start[-1] - np.interp(begin, time, since_start)) / (time[-1] - begin))
 
 
 def leading_source(dataset: xr.Dataset) -> str:

@@ -5,6 +5,7 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_angles
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.histories import COMPONENTS
@@ -33,6 +34,7 @@ class ForcePeak(TypedDict):
     node: int  #: number of the contact node on the blade
     time: float  #: end of the averaging time [s]
     averaged_over: float  #: averaging time [s]
+    on_blade: float  #: largest force on all nodes of one blade, mean over the same time [N]
 
 
 class StressPeak(TypedDict):
@@ -101,6 +103,7 @@ def largest_force(dataset: xr.Dataset) -> ForcePeak:
         node=int(dataset["node"][place]),
         time=float(dataset["time"][record]),
         averaged_over=force.attrs["averaged_over"],
+        on_blade=float(of_blades(dataset, force.values).max()),
     )
 
 

@@ -10,7 +10,14 @@ import xarray as xr
 from bladewhirl.files import json_text
 from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.energy.regimes import RegimeName
-from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
+from bladewhirl.postprocess.energy.works import (
+    Works,
+    drive_work,
+    friction_supply,
+    friction_torque_impulse,
+    late_rate,
+    works,
+)
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.windows import late_part
@@ -103,6 +110,8 @@ class Summary:
     work: Works  #: works of load, contact forces, damping and drive [J]
     drive_power: float | None  #: mean power against contact forces over the last third [W]
     drive_torque: float | None  #: `drive_power` divided by the speed [N m]; None at rest
+    friction_power: float | None  #: mean power against friction over the last third [W]
+    friction_torque: float | None  #: mean torque against friction over the last third [N m]
     casing_displacement_max: dict[str, extremes.WallPeak] | None  #: "radial" and "tangential"
     contact_force_max: extremes.ForcePeak
     contact_impulse: float  #: sum of the normal impulses on all blades [N s]
@@ -113,6 +122,8 @@ class Summary:
     stress_max: dict[str, extremes.StressPeak] | None
     """Largest stress of "bladed_disk" and "casing", of stages of beams, and of superelements whose
     file gives the recovery of stress."""
+    stress_split: extremes.StressSplit | None
+    """Mean and alternating stress of the blade in which they are most severe."""
     blade_loss: str | None  #: blades that were lost, and when
     fuse_time: float | None  #: time at which the support fused [s]
     yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
@@ -167,7 +178,8 @@ def summarise(
         raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
     energies = strain.strain_energies(dataset) if energies is None else energies
     run = Motion(dataset, march_report, orbit=orbit)
-    power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
+    power, speed = late_rate(dataset, drive_work(dataset)), float(dataset.attrs["speed"])
+    peaks = _peaks(dataset) if stresses is None else stresses
     grouped, impulse = "suspension" in energies, dataset["contact_impulse"].values
     wear = wear_summary(dataset)
     contact_steps = dataset["contact_steps"].sum("time").values
@@ -183,9 +195,12 @@ def summarise(
         work=works(dataset),
         drive_power=_finite(power),
         drive_torque=_finite(power / speed) if speed else None,
+        friction_power=_finite(late_rate(dataset, friction_supply(dataset))),
+        friction_torque=_finite(late_rate(dataset, friction_torque_impulse(dataset))),
         contact_force_max=extremes.largest_force(dataset),
         contact_impulse_by_blade=of_blades(dataset, impulse.sum(axis=0)).tolist(),
-        stress_max=_stresses(dataset, stresses),
+        stress_max=None if peaks is None else extremes.stress_peaks(peaks),
+        stress_split=None if peaks is None else extremes.stress_split(peaks),
         contact_share=(contact_steps / max(measured["steps"], 1)).tolist(),
         wear=wear,
         unsolved_impulse_share=_unsolved(dataset, "impulse", float(impulse.sum())),
@@ -243,12 +258,10 @@ def _casing_figures(dataset: xr.Dataset) -> dict[str, Any]:
     )
 
 
-def _stresses(
-    dataset: xr.Dataset, stresses: xr.Dataset | None
-) -> dict[str, extremes.StressPeak] | None:
-    if "rotor_line" not in dataset and not has_stresses(dataset):
-        return None
-    return extremes.stress_peaks(peak_stresses(dataset) if stresses is None else stresses)
+def _peaks(dataset: xr.Dataset) -> xr.Dataset | None:
+    """Return the largest stresses; None for a superelement whose file gives none."""
+    known = "rotor_line" in dataset or has_stresses(dataset)
+    return peak_stresses(dataset) if known else None
 
 
 def _contact_displacements(dataset: xr.Dataset) -> dict[str, float] | None:

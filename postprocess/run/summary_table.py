@@ -15,7 +15,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
-from bladewhirl.postprocess.run.extremes import StressPeak, WallPeak
+from bladewhirl.postprocess.run.extremes import StressPeak, StressSplit, WallPeak
 from bladewhirl.postprocess.run.summary import (
     CriticalCrossing,
     EnergyHolders,
@@ -54,6 +54,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             f"stress of {body.replace('_', ' ')}, largest": _stress(peak, summary.yield_strength)
             for body, peak in (summary.stress_max or {}).items()
         },
+        **_split(summary.stress_split),
         **_contact(summary),
         **_wear(summary),
         "deepest penetration": _text(summary.gap_violation_max, "m"),
@@ -93,6 +94,9 @@ def _drive(summary: Summary) -> dict[str, str]:
     if power is not None:
         torque = "" if summary.drive_torque is None else f", {_text(summary.drive_torque, 'N m')}"
         rows["drive over the last third"] = _text(power, "W") + torque
+    elif summary.friction_power:
+        text = f"{_text(summary.friction_power, 'W')}, {_text(summary.friction_torque, 'N m')}"
+        rows["drive against friction, last third"] = text
     return rows
 
 
@@ -137,9 +141,10 @@ def _force(summary: Summary) -> str:
         return "none"
     several = len(summary.contact_share) > len(summary.contact_impulse_by_blade)
     node = f", node {force['node']}" if several else ""
+    blade = f"; on a whole blade {_text(force['on_blade'], 'N')}" if several else ""
     return (
         f"{_text(force['force'], 'N')} over {_text(force['averaged_over'], 's')}, blade"
-        f" {force['blade']}{node} at {_text(force['time'], 's')}; impulse of all"
+        f" {force['blade']}{node} at {_text(force['time'], 's')}{blade}; impulse of all"
         f" {_text(summary.contact_impulse, 'N s')}{_doubtful(summary.unsolved_impulse_share)}"
     )
 
@@ -233,6 +238,16 @@ def _stress(peak: StressPeak, strength: float | None) -> str:
         f"{peak['member']}, r = {peak['radius']:.3g} m, {_text(peak['time'], 's')})"
         + (f"; beyond the yield strength, {_text(strength, 'Pa')}" if beyond else "")
     )
+
+
+def _split(split: StressSplit | None) -> dict[str, str]:
+    if split is None or not split["alternating"]:
+        return {}
+    margin = split["margin"]
+    fatigue = "" if margin is None else f"; margin against fatigue {margin:.3g}"
+    parts = f"{_text(split['mean'], 'Pa')}, {_text(split['alternating'], 'Pa')}"
+    place = f"{split['member']}, r = {split['radius']:.3g} m"
+    return {"  mean and alternating": f"{parts} ({place}){fatigue}"}
 
 
 def _contact(summary: Summary) -> dict[str, str]:

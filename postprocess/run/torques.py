@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.energy.works import friction_supply
+from bladewhirl.postprocess.energy.works import friction_supply, friction_torque_impulse
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -59,8 +59,7 @@ def torques(result: xr.Dataset) -> xr.Dataset:
         return np.asarray(np.diff(values[at]) / length)
 
     speeds = rotation.speeds(result)
-    dragged = np.cumsum(result.variables["friction_impulse"].values.sum(axis=1))
-    friction = -float(result.attrs["tip_radius"]) * rate(dragged)
+    friction = -rate(friction_torque_impulse(result))
     rubbed = -rate(friction_supply(result))
     found = {"friction": (friction, rubbed)}
     if "angular_momentum" in result:

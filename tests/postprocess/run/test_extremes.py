@@ -10,12 +10,12 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 import bladewhirl as bw
-from bladewhirl.postprocess.energy import works as energy_works
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.works import (
     drive_work,
     friction_supply,
-    late_drive_power,
+    friction_torque_impulse,
+    late_rate,
     leading_source,
     works,
 )
@@ -42,7 +42,10 @@ def test_the_drive_gives_what_contact_does_and_what_is_rubbed_away(result: xr.Da
     assert actual["springs"] is not None
     fed = actual["load"] + actual["normal"] + actual["friction"] + actual["springs"]
     assert risen == pytest.approx(fed + actual["damping"])
-    assert late_drive_power(result) == pytest.approx(dragged, rel=0.2)  # in one second
+    power = late_rate(result, drive_work(result))
+    assert power == pytest.approx(dragged, rel=0.2)  # in one second
+    torque = late_rate(result, friction_torque_impulse(result))
+    assert torque == pytest.approx(power / synthetic.SPEED)
 
 
 def test_the_largest_source_is_named_in_the_reason(result: xr.Dataset) -> None:
@@ -81,6 +84,7 @@ def test_a_force_is_a_mean_over_a_stated_time() -> None:
     coarse = largest_force(result)
     assert (coarse["blade"], coarse["averaged_over"]) == (7, 1e-3)
     assert coarse["force"] == pytest.approx(1.0 / 1e-3)
+    assert coarse["on_blade"] == coarse["force"]  # a single node
     fine = largest_force(result.assign_attrs(record_step=1e-4))
     assert fine["blade"] == 3
     assert fine["averaged_over"] == pytest.approx(1e-3)
@@ -169,15 +173,12 @@ def rub(folder: Path, wall: dict[str, Any], speed: float, **load: object) -> xr.
         return result.load()
 
 
-def test_the_late_power_of_the_drive_is_that_of_whole_revolutions(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_late_power_of_the_drive_is_that_of_whole_revolutions() -> None:
     """Of one revolution of 0.628 s in the last second, in which the work t^2 has the mean power
     6 - 0.628 at 3 s, by hand."""
     time = np.linspace(0.0, 3.0, 30_001)
-    monkeypatch.setattr(energy_works, "drive_work", lambda _: time**2)
     data = xr.Dataset(coords={"time": time}, attrs={"speed": -10.0})
-    assert late_drive_power(data) == pytest.approx(6.0 - 0.2 * np.pi, rel=1e-6)
+    assert late_rate(data, time**2) == pytest.approx(6.0 - 0.2 * np.pi, rel=1e-6)
 
 
 @pytest.mark.parametrize("wall", WALLS)
@@ -189,7 +190,7 @@ def test_works_add_up_and_a_drive_at_rest_does_none(tmp_path: Path, wall: str) -
     rise = float(result["energy"][-1] - result["energy"][0])
     assert sum(actual[name] for name in sources) == pytest.approx(rise, rel=1e-9)  # type: ignore[literal-required]
     assert actual["damping"] < 0.0
-    assert actual["drive"] == late_drive_power(result) == 0.0
+    assert actual["drive"] == late_rate(result, drive_work(result)) == 0.0
     assert abs(actual["normal"]) > 5.0
     # The same terms without the rule for a speed of zero.
     balance = drive_work(result.assign_attrs(speed=1e-12))[-1]

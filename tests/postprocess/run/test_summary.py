@@ -25,6 +25,7 @@ from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import energy_residual
+from bladewhirl.postprocess.run.stresses import stress_history
 from bladewhirl.postprocess.run.summary import Summary, summarise
 from bladewhirl.postprocess.run.summary_table import (
     displacement_hints,
@@ -466,6 +467,28 @@ class TestWriting:
         assert "yield" not in str(summary_rows(summarise(result, REPORT)))
         weak = summary_rows(summarise(result.assign_attrs(yield_strength=1e3), REPORT))
         assert weak["stress of casing, largest"].endswith("beyond the yield strength, 1 kPa")
+
+    def test_a_drive_against_a_coating_has_the_power_of_friction(self, result: xr.Dataset) -> None:
+        metal = summarise(result, REPORT)
+        coated = summarise(result.assign(coating_impulse=result["contact_impulse"]), REPORT)
+        assert coated.drive_power is None
+        # Without work of the normal forces it is that of the drive.
+        assert coated.friction_power == pytest.approx(metal.drive_power)
+        assert coated.friction_torque == pytest.approx(metal.drive_torque)
+        name = "drive against friction, last third"
+        assert name in summary_rows(coated)
+        assert name not in summary_rows(metal)
+
+    def test_the_stress_is_split_into_mean_and_alternating(self, result: xr.Dataset) -> None:
+        split = summarise(result, REPORT).stress_split
+        assert split is not None
+        history = stress_history(result).sel(member=split["member"])
+        assert split["mean"] == pytest.approx(float(history["mean_stress"]))
+        assert split["alternating"] == pytest.approx(float(history["alternating_stress"]))
+        limits = {"endurance": 1e8, "strength": 1e9}
+        limited = summarise(result.assign_attrs(limits), REPORT)
+        assert "margin against fatigue" in summary_rows(limited)["  mean and alternating"]
+        assert "margin" not in summary_rows(summarise(result, REPORT))["  mean and alternating"]
 
     def test_numbers_of_unsolved_steps_are_marked(self, result: xr.Dataset) -> None:
         assert "unsolved" not in str(summary_rows(summarise(result, REPORT)))
