@@ -65,5 +65,5 @@ def _given(values: dict[str, object]) -> dict[str, object]:
 
 
 def test_too_few_steps_are_refused_by_their_key(tmp_path: Path) -> None:
-    with pytest.raises(bw.UserError, match=r"_per_revolution = 8: expected more; a time"):
+    with pytest.raises(bw.UserError, match=r"_per_revolution = 8: expected more, for a time"):
         bw.run(turning(**{"march.steps_per_revolution": 8}), tmp_path / "run", frames=0)
