@@ -15,6 +15,7 @@ from bladewhirl.models.elements.build import (
     numbers_within_reach,
     tip_in_sector,
 )
+from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import Fault
@@ -36,7 +37,7 @@ from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.speed_change import inertia_of, modes_at_speed, static_state
-from bladewhirl.models.stage.stage import BladeStiffness, Stage, Turning
+from bladewhirl.models.stage.stage import LOWEST, BladeStiffness, Stage, Turning
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
@@ -237,6 +238,51 @@ class Beams(Stage):
 
     def own_hints(self) -> Iterator[str]:
         return _free_ends(self.disk.model)
+
+    @property
+    def own_properties(self) -> dict[str, Any]:
+        modes, parts = self.reduction.modes, self.disk.model.part_masses
+        pair = [mode for mode, name in enumerate(self.disk_family) if name == "suspension"]
+        return {
+            "bladed_disk_mass": self.disk.model.mass,  # kg
+            "bladed_disk_parts": parts,  # beams by part, point masses [kg]
+            # The lowest mode of each nodal diameter; with unequal sectors the lowest modes.
+            "bladed_disk": self._lowest_modes(),
+            # The lower frequency of the pair; at speed, of the branch with most spring energy.
+            "suspension": self.rate(modes.frequency[pair[0]]) if pair else None,
+            "suspension_spring_share": float(modes.spring_share[pair[0]]) if pair else None,
+            "reduction": self._reduction_numbers(),
+        }
+
+    def _lowest_modes(self) -> list[dict[str, Any]]:
+        """Return the lowest modes of the full model. If sectors differ, nodal diameters and
+        purities are taken from the modes of the reduced model."""
+        frequencies, modes = self.disk_frequencies, self.reduction.modes
+        if NO_COLUMN not in frequencies:
+            return [self.listed(k, values[0], 1.0) for k, values in frequencies.items()]
+        lowest = frequencies[NO_COLUMN]
+        return [
+            self.listed(int(modes.nodal_diameter[i]), lowest[i], float(modes.purity[i]))
+            for i in range(min(LOWEST, modes.count, len(lowest)))
+        ]
+
+    def _reduction_numbers(self) -> dict[str, Any]:
+        """Return size and accuracy of the Craig-Bampton reduction."""
+        boundary = {name: len(dofs) for name, dofs in self.boundary_sets.items()}
+        return {
+            "boundary": boundary,  # numbers of boundary degrees of freedom, by node set
+            # With complete pairs, possibly one more than requested.
+            "fixed_interface_modes": self.reduction.kept,
+            "wanted": self.case.reduction.fixed_interface_modes,
+            "internal": self.disk.structure.size - sum(boundary.values()),
+            "modes": self.reduction.modes.count,
+            "marched": {"bladed_disk": len(self.kept.rotor), "casing": len(self.kept.casing)},
+            "frequency_error": self.frequency_error,  # largest relative error, by family
+        }
+
+    @property
+    def node_sets(self) -> Mapping[str, IntArray]:
+        return self.disk.mesh.node_sets
 
     @property
     def attributes(self) -> Mapping[str, str | float | int]:

@@ -17,6 +17,7 @@ from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.basis_error import basis_error
 from bladewhirl.models.stage.blade_loss import copies_after_loss
 from bladewhirl.models.stage.coating import node_footprint, tip_thickness
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes, slopes
@@ -334,6 +335,41 @@ class Matrices(Stage):
             residual[0] + (radial**2) @ (1.0 / squares),
             residual[1] + (radial * tangential) @ (1.0 / squares),
         )
+
+    @property
+    def own_properties(self) -> dict[str, Any]:
+        frequency = self.reduced.frequency
+        return {
+            "superelement": self.part.name,
+            "source": self.part.source,
+            "coordinates": self.table.part.size,
+            "copies": self.table.copies,
+            "modes": len(frequency) * self.copies,
+            "frequency_error": basis_error(self.case, self.speed, frequency),
+            "stress_points": None if self.reduced.stress is None else self.given.point_count,
+            "contact_nodes": list(self._contact_nodes()),
+        }
+
+    def _contact_nodes(self) -> Iterator[dict[str, Any]]:
+        """Yield place and flexibility of each contact node of a copy."""
+        part, residual = self.part, np.diag(self.reduced.compliance)
+        radial, _ = self.static_response()
+        locking = self.locking_friction()
+        equal = self.table.copies // self.copies if np.ptp(self.factor) == 0.0 else 1
+        for node in range(part.contacts // equal):
+            yield {
+                "node": node,
+                "radius": float(part.contact_radius[node]),
+                "angle": float(self.angle[0, node]),
+                "axial": float(part.contact_position[node, 2]),
+                "flexibility": float(radial[node]) if radial.size else None,
+                "residual": float(residual[3 * node]),
+                "locking_friction": locking.get(node),
+            }
+
+    @property
+    def node_sets(self) -> Mapping[str, IntArray]:
+        return {"contact nodes": np.arange(self.part.contacts * self.copies)}
 
     @property
     def attributes(self) -> Mapping[str, str | float | int]:

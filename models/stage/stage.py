@@ -31,6 +31,8 @@ from bladewhirl.models.stage.wall_coating import WallCoating
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
+LOWEST = 12  #: number of frequencies listed for a body without cyclic symmetry
+
 
 @dataclass(frozen=True, kw_only=True)
 class Turning:
@@ -269,6 +271,32 @@ class Stage(Ring, ABC):
     def symmetry(self) -> Mapping[str, str]:
         """Symmetry of each body in words; empty if the march does not use it."""
         return {}
+
+    def rate(self, rad_per_s: float) -> dict[str, float]:
+        """Return an angular frequency or speed [rad/s] by unit: rad_per_s, hz (turns or cycles per
+        second), rpm, and normalised (multiples of the reference frequency)."""
+        return {
+            "rad_per_s": float(rad_per_s),
+            "hz": float(rad_per_s / (2.0 * np.pi)),
+            "rpm": float(rad_per_s * 30.0 / np.pi),
+            "normalised": float(rad_per_s / self.reference_frequency),
+        }
+
+    def listed(self, nodal_diameter: int, frequency: float, purity: float) -> dict[str, Any]:
+        """Return a mode for JSON: its dominant nodal diameter (-1 without sectors), its frequency
+        [rad/s] and its purity, the share of this nodal diameter."""
+        rate = self.rate(frequency)
+        return {"nodal_diameter": nodal_diameter, "frequency": rate, "purity": purity}
+
+    @property
+    @abstractmethod
+    def own_properties(self) -> dict[str, Any]:
+        """Properties by name, for JSON, that not every stage has."""
+
+    @property
+    @abstractmethod
+    def node_sets(self) -> Mapping[str, IntArray]:
+        """Numbers of nodes by the name of their set."""
 
     @property
     def attributes(self) -> Mapping[str, str | float | int]:

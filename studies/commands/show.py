@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,10 +16,7 @@ from bladewhirl.studies.runs.columns import Column, facts, table, texts
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from bladewhirl.meshes.line_mesh import IntArray
     from bladewhirl.models.case.case import Case
-    from bladewhirl.models.stage.beams import Beams
-    from bladewhirl.models.stage.matrices import Matrices
 
 RATES = (
     Column("name", " "),
@@ -43,14 +39,13 @@ MODES = (
     Column("frequency.normalised", "normalised", ".5g"),
     Column("purity", "purity", ".3f"),
 )
-MARCH = (
-    Column("critical_time_step", "critical time step [s]", ".4g"),
-    Column("dt_over_critical", "time step / critical", ".3g"),
-    Column("steps", "steps", "d"),
-    Column("records", "records", "d"),
-    Column("result_bytes", "result.nc, about [MB]", ".3g", 1e-6),
-)
 PROPERTIES = (
+    Column("superelement", "superelement"),
+    Column("coordinates", "coordinates", "d"),
+    Column("copies", "copies", "d"),
+    Column("modes", "modes of all copies", "d"),
+    Column("frequency_error", "error of the lowest frequencies at this speed", ".1g"),
+    Column("stress_points", "points with stress", "d"),
     Column("bladed_disk_mass", "bladed disk [kg]", ".5g"),
     Column("bladed_disk_parts", "parts of the bladed disk [kg]", ".3g"),
     Column("casing_mass", "casing [kg]", ".5g"),
@@ -61,8 +56,11 @@ PROPERTIES = (
     Column("imbalance.force", "imbalance, force at this speed [N]", ".5g"),
     Column("imbalance.closing", "imbalance, static response / clearance [%]", ".3g", 100.0),
     Column("distortion.static_displacement", "static response of the loaded mode [mm]", ".4g", 1e3),
-    Column("coating.rods", "rods of the coating", "d"),
+    Column("smallest_clearance", "smallest clearance [mm]", ".4g", 1e3),
+    Column("coating.tracks", "tracks of the coating", "d"),
+    Column("coating.rods", "rods of each track", "d"),
     Column("coating.arc", "arc length of a rod [mm]", ".3g", 1e3),
+    Column("coating.width", "width of all tracks [mm]", ".3g", 1e3),
     Column("coating.footprint", "arc under a tip [mm]", ".3g", 1e3),
     Column("coating.yield_force", "force at which the coating gives way [N]", ".4g"),
     Column("reduction.modes", "modes of the reduced model", "d"),
@@ -73,7 +71,11 @@ PROPERTIES = (
     Column("symmetry", "symmetry"),
     Column("reduction.marched", "modes of the march", "d"),
     Column("marched", "method of the march"),
-    *MARCH,
+    Column("critical_time_step", "critical time step [s]", ".4g"),
+    Column("dt_over_critical", "time step / critical", ".3g"),
+    Column("steps", "steps", "d"),
+    Column("records", "records", "d"),
+    Column("result_bytes", "result.nc, about [MB]", ".3g", 1e-6),
 )
 """Columns of the properties of a stage."""
 
@@ -86,27 +88,8 @@ NODES = (
     Column("residual", "residual [m/N]", ".3g"),
     Column("locking_friction", "locks above μ", ".3g"),
 )
-OF_SUPERELEMENT = (
-    Column("superelement", "superelement"),
-    Column("coordinates", "coordinates", "d"),
-    Column("copies", "copies", "d"),
-    Column("reference_frequency.hz", "lowest frequency [Hz]", ".6g"),
-    Column("speed.rpm", "speed [rpm]", ".6g"),
-    Column("speed.normalised", "speed / lowest frequency", ".5g"),
-    Column("modes", "modes of all copies", "d"),
-    Column("frequency_error", "error of the lowest frequencies at this speed", ".1g"),
-    Column("stress_points", "points with stress", "d"),
-    Column("smallest_clearance", "smallest clearance [mm]", ".4g", 1e3),
-    Column("coating.tracks", "tracks of the coating", "d"),
-    Column("coating.rods", "rods of each track", "d"),
-    Column("coating.footprint", "arc under a contact node [mm]", ".3g", 1e3),
-    Column("coating.width", "width of all tracks [mm]", ".3g", 1e3),
-    *MARCH,
-)
-"""Columns of the properties of a superelement."""
-
-Shown = tuple[dict[str, Any], list["Table"], Mapping[str, "IntArray"]]
-"""Properties for JSON, printed tables, and the nodes of named sets, which a picture shows."""
+LISTS = {"bladed_disk": "Bladed disk", "casing": "Casing"}
+"""Titles of the lists of modes by key."""
 
 
 def show(
@@ -128,9 +111,9 @@ def show(
         png: Draw the stage: parts, sets, springs, supports.
         output: File of the drawing; by default the name of the case with .png.
     """
-    from bladewhirl.models.stage.build import build_stage
+    from bladewhirl.models.stage.build import build_stage, time_step_faults
     from bladewhirl.models.stage.hints import stage_hints
-    from bladewhirl.studies.runs.properties import speed_hint
+    from bladewhirl.studies.runs.properties import speed_hint, stage_properties
 
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
@@ -143,9 +126,9 @@ def show(
             return
         with reduction_bar():
             stage = build_stage(checked)
-        lines = stage.arrays.rotor_line.size > 0
-        shown: Callable[[Any], Shown] = _of_beams if lines else _of_superelement
-        derived, tables, node_sets = shown(stage)
+        if faults := list(time_step_faults(stage)):
+            raise CaseError(faults)
+        derived = stage_properties(stage)
         for hint in filter(None, (*stage_hints(stage), speed_hint(stage.case, stage.speed))):
             typer.echo(f"Hint: {hint}.", err=True)
         if png:
@@ -155,9 +138,9 @@ def show(
             options.claim_output(target, named=True, overwrite=overwrite)
             at_rest = stage_at_rest(stage.arrays, stage.attributes, title=checked.title)
             with writing(target):
-                draw_stage(at_rest, target, node_sets=node_sets)
+                draw_stage(at_rest, target, node_sets=stage.node_sets)
             typer.echo(f"Wrote {target}.", err=True)
-    emit(*_document(checked, derived, tables, with_case=with_case), json=json)
+    emit(*_document(checked, derived, _tables(derived), with_case=with_case), json=json)
 
 
 def _document(
@@ -171,27 +154,10 @@ def _document(
     return document, *tables, *full
 
 
-def _of_superelement(stage: Matrices) -> Shown:
-    import numpy as np
+def _tables(derived: dict[str, Any]) -> list[Table]:
+    """Return the printed tables of the properties of a stage."""
+    from bladewhirl.studies.runs.properties import MARCHES
 
-    from bladewhirl.studies.runs.properties import superelement_properties
-
-    derived = superelement_properties(stage)
-    title = "Contact nodes" + " of a copy" * (stage.table.copies > 1 and not np.ptp(stage.factor))
-    tables = [
-        facts(texts(derived, OF_SUPERELEMENT)),
-        table(derived["contact_nodes"], NODES, title),
-    ]
-    return derived, tables, {"contact nodes": np.arange(stage.part.contacts * stage.copies)}
-
-
-def _of_beams(stage: Beams) -> Shown:
-    from bladewhirl.models.stage.build import time_step_faults
-    from bladewhirl.studies.runs.properties import MARCHES, stage_properties
-
-    if faults := list(time_step_faults(stage)):
-        raise CaseError(faults)
-    derived = stage_properties(stage)
     marched = {body: MARCHES[cyclic] for body, cyclic in derived["cyclic"].items()}
     rates = [
         {"name": name} | rate
@@ -202,9 +168,11 @@ def _of_beams(stage: Beams) -> Shown:
         facts(texts(derived | {"marched": marched}, PROPERTIES)),
         table(rates, RATES, "Frequencies and speed"),
     ]
-    for body, title in (("bladed_disk", "Bladed disk"), ("casing", "Casing")):
-        if not derived[body]:  # a rigid wall
-            continue
-        modes = sorted(derived[body], key=lambda mode: mode["nodal_diameter"])
-        tables.append(table(modes, MODES, f"{title}, full model"))
-    return derived, tables, stage.disk.mesh.node_sets
+    for key, title in LISTS.items():
+        if listed := derived.get(key):  # not of a rigid wall
+            rows = sorted(listed, key=lambda mode: mode["nodal_diameter"])
+            tables.append(table(rows, MODES, f"{title}, full model"))
+    if nodes := derived.get("contact_nodes"):
+        title = "Contact nodes" + " of a copy" * (derived["copies"] > 1)
+        tables.append(table(nodes, NODES, title))
+    return tables

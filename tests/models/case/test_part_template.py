@@ -16,7 +16,7 @@ from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.critical_step import critical_time_step
 from bladewhirl.models.superelements.superelement import Superelement
-from bladewhirl.studies.runs.properties import superelement_properties
+from bladewhirl.studies.runs.properties import stage_properties
 
 
 @cache
@@ -61,7 +61,7 @@ def test_the_steps_of_a_case_suit_its_critical_time_step(tmp_path: Path, kind: s
     for speeds in ([], ["--speeds", "0 rpm:4000 rpm"]):
         answer("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz", "--force", *speeds)
         case = bw.read_case(tmp_path / "part.toml")
-        found = superelement_properties(cast(Matrices, build_stage(case)))
+        found = stage_properties(cast(Matrices, build_stage(case)))
         assert found["dt_over_critical"] < 1.0
         assert found["coordinates"] == part.size
         assert found["copies"] == case.bladed_disk.count

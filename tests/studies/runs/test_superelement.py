@@ -34,7 +34,7 @@ from bladewhirl.postprocess.run.contact_nodes import ring_motion, tip_orbits
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.runs.prepare import prepare
-from bladewhirl.studies.runs.properties import superelement_properties
+from bladewhirl.studies.runs.properties import stage_properties
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.runs.run import resume
 
@@ -274,7 +274,7 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
     assert (run.directory / "wear-tracks.png").is_file()
     stage = build_matrices(bw.case_from(tables(file, **changes)))
     actual = (run.directory / "result.nc").stat().st_size
-    assert superelement_properties(stage)["result_bytes"] == pytest.approx(actual, rel=0.1)
+    assert stage_properties(stage)["result_bytes"] == pytest.approx(actual, rel=0.1)
     with bw.open_result(run.directory) as result:
         worn = bw.wear(result).isel(wear_time=-1)
         assert worn.sizes["track"] == 3
@@ -344,8 +344,8 @@ def test_tracks_of_unequal_numbers_of_nodes() -> None:
 def test_footprints_follow_from_the_distances_of_contact_nodes(file: Path) -> None:
     assert spacing(np.array([0.0, 3.0, 1.0])) == pytest.approx([0.5, 1.0, 1.5])
     coated = bw.case_from(tables(file, casing__coating=LAYER))
-    plain = superelement_properties(build_matrices(bw.case_from(tables(file))))
-    shown = superelement_properties(build_matrices(coated))
+    plain = stage_properties(build_matrices(bw.case_from(tables(file))))
+    shown = stage_properties(build_matrices(coated))
     assert shown["smallest_clearance"] == plain["smallest_clearance"]
     assert shown["coating"]["tracks"] == 3
     assert shown["coating"]["width"] == pytest.approx(0.04)
