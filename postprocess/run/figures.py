@@ -16,6 +16,7 @@ from bladewhirl.postprocess.run.run_up import amplitude_over_speed
 from bladewhirl.postprocess.run.sensor_figures import sensor_spectra
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.run.waterfall import shaft_waterfall, tip_waterfall
 from bladewhirl.postprocess.shaft import spectra
 from bladewhirl.postprocess.shaft.crossings import critical_orbits
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
@@ -65,8 +66,18 @@ class RunFigures(Figures):
 
     @property
     def run_up(self) -> xr.Dataset:
-        """Displacement of the shaft over the speed."""
-        return amplitude_over_speed(self.orbit, self.result)
+        """Displacement of the shaft, or of the tips, and contact force over the speed."""
+        return amplitude_over_speed(self.result, self._orbit_of_shaft)
+
+    @property
+    def waterfall(self) -> xr.Dataset:
+        """Waterfall of the shaft, or of a tip, over the speed."""
+        orbit = self._orbit_of_shaft
+        return tip_waterfall(self.result) if orbit is None else shaft_waterfall(orbit)
+
+    @property
+    def _orbit_of_shaft(self) -> xr.Dataset | None:
+        return self.orbit if "centre_shape" in self.result else None
 
     @property
     def critical_orbits(self) -> xr.Dataset:

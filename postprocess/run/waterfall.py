@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.by_blade import contact_motion
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced
@@ -23,6 +24,9 @@ from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, pha
 SPEEDS = 80  #: number of columns of a panel
 SHAFT_ORDERS = 4.0  #: frequencies of the shaft are drawn up to this multiple of the fastest speed
 MOST_LINES = 10  #: largest order whose line is drawn
+FRAMES = {"shaft": "static frame", "tip": "tangential, rotating frame"}
+"""Axes of the motions that are no signals of sensors."""
+
 SENSES = {1: "rising speed", -1: "falling speed"}
 RPM = 30.0 / np.pi
 
@@ -45,15 +49,46 @@ def shaft_waterfall(orbit: xr.Dataset) -> xr.Dataset:
         ViewError: there are too few records, or they are not equally spaced.
     """
     even, step = evenly_spaced(orbit, FEWEST_RECORDS)
-    time = even.variables["time"].values
-    windows = _windows(even, phasor(even, "static"), step, time)
-    edge = SHAFT_ORDERS * float(np.abs(windows["speed"]).max()) / (2.0 * np.pi)
+    return _of_motion(even, "shaft", phasor(even, "static"), step)
+
+
+def tip_waterfall(result: xr.Dataset) -> xr.Dataset:
+    """Compute the amplitude of the tangential displacement of the contact node that swings most,
+    in rotating axes; see `shaft_waterfall`.
+
+    Args:
+        result: result of a run whose speed varies.
+
+    Returns:
+        Dataset as from `shaft_waterfall`, with the amplitude `tip` [m] and frequencies from zero.
+    """
+    even, step = evenly_spaced(result, FEWEST_RECORDS)
+    every = contact_motion(even, 1)
+    swing = every[:, int(np.nanargmax(np.ptp(every, axis=0)))]
+    return _of_motion(even, "tip", swing - swing.mean(), step)
+
+
+def _of_motion(even: xr.Dataset, name: str, motion: Array | Complex, step: float) -> xr.Dataset:
+    """Return the waterfall of a motion in a plane, or of a real one, whose frequencies are not
+    negative.
+
+    Args:
+        even: result or orbit with equally spaced records.
+        name: name of the amplitude.
+        motion: motion at the records [m], (time,).
+        step: time between the records [s].
+    """
+    plane = np.iscomplexobj(motion)
+    windows = _windows(even, motion.astype(complex), step, even.variables["time"].values)
+    edge = (SHAFT_ORDERS if plane else ORDERS) * np.abs(windows["speed"]).max() / (2.0 * np.pi)
     shown = np.abs(windows["frequency"]) <= edge
+    shown &= plane | (windows["frequency"] >= 0.0)
+    amplitude = (1.0 if plane else 2.0) * np.abs(windows["amplitude"][:, shown]).T
     return labelled(
         even,
-        "waterfall of the shaft",
+        f"waterfall of the {name}",
         {
-            "shaft": (("frequency", "time"), np.abs(windows["amplitude"][:, shown]).T, "m"),
+            name: (("frequency", "time"), amplitude, "m"),
             "speed": ("time", windows["speed"], "rad/s"),
             "rising": ("time", windows["rising"], "1"),
         },
@@ -126,8 +161,8 @@ def _windows(result: xr.Dataset, motion: Complex, step: float, time: Array) -> M
 
 @styled
 def plot_waterfall(data: xr.Dataset) -> Figure:
-    """Draw the waterfall of the shaft, or of sensors: frequency against speed with logarithmic
-    colours and lines of orders; rising and falling speed in panels of their own."""
+    """Draw the waterfall of the shaft, of a tip, or of sensors: frequency against speed with
+    logarithmic colours and lines of orders; rising and falling speed in panels of their own."""
     names = [str(name) for name, values in data.items() if len(values.dims) == 2]
     senses = [
         sense
@@ -153,7 +188,7 @@ def plot_waterfall(data: xr.Dataset) -> Figure:
         figure.colorbar(row[-1].collections[0], ax=row.tolist(), label=f"amplitude [{unit}]")
     for axes in panels[-1]:
         axes.set_xlabel("speed [rpm]")
-    head(figure, data, *(["static frame"] if names == ["shaft"] else []))
+    head(figure, data, *(FRAMES[name] for name in names if name in FRAMES))
     return figure
 
 

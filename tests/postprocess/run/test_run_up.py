@@ -10,6 +10,7 @@ import xarray as xr
 from bladewhirl.models.case.file import loads
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.kinematics import contact_vectors
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.tip_timing import tip_timing
@@ -92,7 +93,7 @@ def test_the_figure_tells_rising_from_falling_speeds(result: xr.Dataset, tmp_pat
     rising = data["rising"].values
     assert rising[200] == 1
     assert rising[900] == -1
-    assert len(figure.axes) == 2
+    assert len(figure.axes) == 2 + bool(data["force"].any())
     assert "0.3 to 1.2" in figure.get_suptitle()
 
 
@@ -108,7 +109,7 @@ def test_the_figure_marks_first_contact_and_critical_speeds(result: xr.Dataset) 
     )
     figure, data = RunFigures(known).draw("run-up")
     assert data["critical_speed"].values.tolist() == speeds[1:].tolist()
-    upper, lower = figure.axes
+    upper, lower = figure.axes[:2]
     lines = {str(line.get_label()): line for line in lower.get_lines()}
     rpm = 30.0 / np.pi
     touch, critical = (
@@ -117,3 +118,31 @@ def test_the_figure_marks_first_contact_and_critical_speeds(result: xr.Dataset) 
     assert touch.tolist() == [rpm * data["speed"].values[7]]
     assert critical.tolist() == [rpm * speeds[1]] * 2
     assert np.asarray(upper.get_lines()[-1].get_xdata()).tolist() == [result["time"].values[7]]
+
+
+def test_without_a_shaft_the_figures_show_contact_nodes(result: xr.Dataset) -> None:
+    """A mode vibrates with 2.5 times the fastest speed; its amplitude is that of its shape."""
+    fastest = np.abs(rotation.speeds(result)).max()
+    motion, time = np.zeros(result["rotor_displacement"].shape), result["time"].values
+    motion[:, 3] = 1e-3 * np.sin(2.5 * fastest * time)
+    force = np.zeros_like(result["contact_impulse"].values)
+    force[400:500, 2] = 0.05 * result.attrs["record_step"]
+    known = result.drop_vars("centre_shape").assign(
+        rotor_displacement=result["rotor_displacement"].copy(data=motion),
+        contact_impulse=result["contact_impulse"].copy(data=force),
+    )
+    shape = contact_vectors(known, np.arange(len(time)))
+    figure, data = RunFigures(known).draw("run-up")
+    assert data.attrs["moves"] == "tips"
+    largest = np.linalg.norm(shape[..., :2], axis=-1).max(axis=1)
+    np.testing.assert_allclose(data["displacement"].values, largest, rtol=1e-12)
+    assert float(data["force"].max()) == pytest.approx(0.05)
+    assert len(figure.axes) == 3
+    assert "contact node" in figure.axes[1].get_ylabel()
+    _, data = RunFigures(known).draw("waterfall")
+    window = int(np.abs(data["time"].values - 0.03).argmin())
+    spectrum = data["tip"].values[:, window]
+    found = data["frequency"].values[spectrum.argmax()]
+    width = np.diff(data["frequency"].values)[0]
+    assert found == pytest.approx(2.5 * fastest, abs=1.1 * width)
+    assert spectrum.max() == pytest.approx(np.abs(shape[..., 1]).max(), rel=0.15)
