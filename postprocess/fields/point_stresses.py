@@ -112,7 +112,7 @@ class PointStresses:
 
 def size_of(terms: Array) -> Array:
     """Return the von Mises stress (...,) of five terms (..., 5) [Pa]."""
-    return np.sqrt(np.einsum("...k,...k->...", terms, terms))
+    return np.asarray(np.sqrt(np.einsum("...k,...k->...", terms, terms)))
 
 
 def on_sectors(by_force: Array, places: IntArray) -> Array:

@@ -216,6 +216,7 @@ def _drawn(dataset: xr.Dataset, section: str) -> list[page.ReportFigure]:
     worn = "wear_volume" in dataset and bool(np.isfinite(dataset["wear_volume"]).any())
     absent = {
         "maps": len(swept(dataset)) == 1,
+        "interaction": len(swept(dataset)) == 1,
         "probability": DRAW not in dataset.dims,
         "wear": not worn,
     }

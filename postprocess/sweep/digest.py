@@ -9,11 +9,13 @@ from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_share
 from bladewhirl.postprocess.run.contact_side import contact_scenario
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force
 from bladewhirl.postprocess.run.measures import MEASURES, Motion
+from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import centre_displacement, shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import section_places
@@ -59,6 +61,7 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "contact_share": padded(of_blades(dataset, touched, np.maximum), layout.blades),
         "late_contact_share": share,
         "contact_force_max": largest_force(dataset)["force"],
+        "stress_max": _blade_stress(dataset),
         **wear_numbers(dataset),
         "window_start": time[first],
         "energy_mean": groups[first:].mean(axis=0),
@@ -70,6 +73,14 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         if part in layout.parts:
             values |= measure(dataset, layout, first, starts)
     return coded({name: values[name] for name in layout.variables if name in values}, layout)
+
+
+def _blade_stress(dataset: xr.Dataset) -> float:
+    """Return the largest magnitude of the stress of a blade [Pa]; NaN without stresses."""
+    if "rotor_line" not in dataset and not has_stresses(dataset):
+        return np.nan
+    peaks = peak_stresses(dataset)["peak_stress"]
+    return float(np.abs(peaks[peaks["member"].str.startswith("blade ")]).max())
 
 
 def _shaft(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:

@@ -141,12 +141,12 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         draw_regimes(row[0], maps[along].values, maps[across].values, regime_names(maps)[number])
         row[0].set_title(titles[number], loc="left")
         drawn = [
-            _draw_cells(axes, maps, values[number], cmap=colours, norm=norm, rasterized=True)
+            draw_cells(axes, maps, values[number], cmap=colours, norm=norm, rasterized=True)
             for axes, (values, _, colours, norm) in zip(row[1:], pictures, strict=True)
         ]
         if len(pictures) > 1:
             crossed = np.ma.masked_where(~doubtful[number], growth[number])
-            _draw_cells(row[2], maps, crossed, cmap=ListedColormap(["white"]), **CROSSED)
+            draw_cells(row[2], maps, crossed, cmap=ListedColormap(["white"]), **CROSSED)
         for axes in row:
             _draw_branches(axes, maps, given)
         for axes in row[: columns if narrow else 1]:
@@ -196,7 +196,7 @@ def _draw_branches(axes: Axes, maps: xr.Dataset, given: xr.Dataset) -> None:
         axes.plot(x[kind > 0], y[kind > 0], "ok", mec="white", markersize=3.5)
 
 
-def _draw_cells(axes: Axes, maps: xr.Dataset, values: Array, **look: Any) -> Collection:
+def draw_cells(axes: Axes, maps: xr.Dataset, values: Array, **look: Any) -> Collection:
     """Draw values (rows, columns); cells without a result are hatched."""
     axes.grid(False)
     axes.patch.set(hatch=HATCH, edgecolor=style.COLOURS["rest"])

@@ -35,9 +35,9 @@ def test_what_is_drawn_is_what_is_stored(kind: Kind) -> None:
     assert len(stage.get_paths()) == data.sizes["polygon"] > 100
     top = data["limits"].values[0, 1]
     assert 0.5 * top < np.nanmax(np.abs(data["value"])) <= max(top, data["limits"].values[-1, 1])
-    bars = [str(name) for name in data["scale"].values]
-    assert bars[0].endswith("stress, rotor [MPa]")
-    assert len(bars) == (1 if kind == "blade" else 2)  # a rigid wall has no stress
+    scales = [str(name) for name in data["scale"].values]
+    assert scales[0].endswith("stress, rotor [MPa]")
+    assert len(scales) == (1 if kind == "blade" else 2)  # a rigid wall has no stress
     arrows = np.ptp(data["arrow"].values, axis=1).max(axis=1) > 0.0
     pushed = np.any(contact_forces(run, np.array([record]))[0], axis=1)
     assert pushed.any()
