@@ -24,10 +24,12 @@ from bladewhirl.postprocess.reports.parts import (
 )
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.extremes import largest_force, stress_split
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.measures import MARCH_REPORT
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
+from bladewhirl.postprocess.run.wear import coating_of
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
@@ -97,7 +99,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         tone=REGIMES[regime.name].tone if ended else "open",
         reason=f"{meaning} {_sentence(regime.reason)}",
         warnings=_warnings(dataset, reason),
-        figures=_glance(dataset),
+        figures=_glance(dataset, stresses),
         sections=[*first, verdict, *parts, numbers, case],
     )
 
@@ -138,7 +140,26 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     return [_sentence(text)] if text else []
 
 
-def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
+def _loads(dataset: xr.Dataset, stresses: xr.Dataset | None) -> list[tuple[str, str, str]]:
+    """Return the largest force, stress and wear: name, value, remark."""
+    rows, force = [], largest_force(dataset)
+    if force["force"]:
+        remark = f"blade {force['blade']}, mean over {handy(force['averaged_over'], 's', 3)}"
+        rows.append(("largest contact force", handy(force["force"], "N", 3), remark))
+    split = None if stresses is None else stress_split(stresses)
+    if split is not None:
+        remark = f"{split['member']}, about a mean of {handy(split['mean'], 'Pa', 3)}"
+        if split["margin"] is not None:
+            remark += f", margin {split['margin']:.3g}"
+        rows.append(("alternating stress", handy(split["alternating"], "Pa", 3), remark))
+    if "coating_strain" in dataset:
+        depth = coating_of(dataset).thickness * float(dataset["coating_strain"][-1].max())
+        volume = f"{1e9 * float(dataset['wear_volume'][-1]):.3g} mm³ removed"
+        rows.append(("deepest wear", handy(depth, "m", 3), volume))
+    return rows
+
+
+def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tuple[str, str, str]]:
     """Return the key figures of a run: name, value, remark."""
     ratio, _, rpm = speed_label(dataset).partition(" (")
     end = f"{float(dataset['time'].values[-1]):.6g} s"
@@ -154,6 +175,7 @@ def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
     ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
     if LOSS in dataset.attrs:
         ran.append(("loss", str(dataset.attrs[LOSS]), ""))
+    ran += _loads(dataset, stresses)
     ran += [
         (f"largest recorded {way} displacement of a tip", handy(float(far), "m", 4), "")
         for way, far in zip(DIRECTIONS, largest_contact_motion(dataset).max(0), strict=True)
@@ -168,7 +190,9 @@ def _glance(dataset: xr.Dataset) -> list[tuple[str, str, str]]:
     phases = contact_phase(late, late_orbit)
     in_contact, lead = bool(phases["impulse"].any()), float(phases.attrs["lead"])
     angle = (
-        [f"shaft leads by {math.degrees(lead):.0f}°"] if in_contact and not math.isnan(lead) else []
+        [f"shaft leads by {round(math.degrees(lead)):d}°"]
+        if in_contact and not math.isnan(lead)
+        else []
     )
     whirls = {frame: whirl(late_orbit, frame).text.partition(", ") for frame in FRAMES}
     return [

@@ -36,6 +36,9 @@ LEAST_CERTAIN = 10.0  #: number of standard errors that the rate of a whirl must
 #: a whirl has a single frequency if its spectral line has at least this share of the mean square
 LARGEST_SHARE = 0.5
 SPANS = 10  #: number of spans whose rates give the standard error of the rate
+STILL = 0.05
+"""A shaft rests in a frame if its angle changes by at most this [rad], and its radius by at most
+this fraction."""
 DOUBTFUL = 0.5 * np.pi
 """If the angle changes by more than this between two records [rad], it is uncertain on which side
 the path has passed the centre."""
@@ -48,6 +51,7 @@ class Whirl:
     rate: float  #: slope of the unwrapped angle [rad/s]; nan at rest
     error: float  #: standard error of `rate` [rad/s]; nan if the motion is too short
     goes_round: bool  #: true if there is a single whirl frequency, see `whirl`
+    rests: bool  #: true if the position does not change in the frame, see `STILL`
 
     @property
     def direction(self) -> Direction:
@@ -64,7 +68,9 @@ class Whirl:
 
     @property
     def text(self) -> str:
-        """Direction and frequency with `CERTAINTY` standard errors, as text."""
+        """Direction and frequency with `CERTAINTY` standard errors, or that the shaft rests."""
+        if self.rests:
+            return "none, at rest"
         if self.frequency is None:
             return "no single frequency"
         wide = CERTAINTY * self.error / (2 * np.pi)
@@ -95,14 +101,18 @@ def whirls(orbit: xr.Dataset) -> dict[Frame, Whirl]:
     """Compute the net turns in both frames, see `whirl`."""
     time = orbit.variables["time"].values
     if len(time) < 2 or not orbit.variables["radius"].values.any():
-        still = Whirl(rate=float("nan"), error=float("nan"), goes_round=False)
+        still = Whirl(rate=float("nan"), error=float("nan"), goes_round=False, rests=True)
         return dict.fromkeys(FRAMES, still)
     angle, doubtful = phase(orbit, "rotating")
     lost = 2 * np.pi * np.count_nonzero(doubtful)
+    radius = orbit.variables["radius"].values
+    steady = bool(np.ptp(radius) <= STILL * radius.mean())
     lines = cache(partial(strongest_lines, orbit, "rotating"))  # of both frames
     return {
-        "rotating": _whirl(time, angle, lost, 0.0, lines),
-        "static": _whirl(time, angle + _turned(orbit), lost, rotation.mean_speed(orbit), lines),
+        "rotating": _whirl(time, angle, lost, 0.0, lines, steady=steady),
+        "static": _whirl(
+            time, angle + _turned(orbit), lost, rotation.mean_speed(orbit), lines, steady=steady
+        ),
     }
 
 
@@ -112,6 +122,8 @@ def _whirl(
     lost: float,
     speed: float,
     lines: Callable[[], tuple[SpectralLine, ...]],
+    *,
+    steady: bool,
 ) -> Whirl:
     """Return the net turns of an unwrapped angle in a frame.
 
@@ -121,12 +133,14 @@ def _whirl(
         lost: angle of the turns that may be missed between records [rad].
         speed: speed of the rotating axes in this frame [rad/s].
         lines: function that returns the spectral lines in rotating axes.
+        steady: whether the radius is constant.
     """
     rate, error = _slope(time, angle), _slope_error(time, angle)
     turned = abs(rate) * np.ptp(time)
     return Whirl(
         rate=rate,
         error=error,
+        rests=steady and bool(np.ptp(angle) <= STILL),
         goes_round=bool(
             turned >= LEAST_TURN * 2 * np.pi
             and turned > np.ptp(angle - rate * time) + lost

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from synthetic_result import resting
 
 from bladewhirl.meshes.plane import rotate
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import Frame, strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 
@@ -114,3 +116,15 @@ def test_a_shaft_at_rest_or_a_single_record_has_no_whirl(records: int) -> None:
         assert np.isnan(whirl(still, frame).rate)
         assert strongest_lines(still, frame) == ()
     assert whirl(orbit_of({5.0: RADIUS}, 10.0, records=1), "static").frequency is None
+
+
+def test_a_shaft_at_rest_in_a_frame_is_said_to_rest() -> None:
+    """A constant displacement in rotating axes turns with the rotor in static axes."""
+    moved = np.array([3e-4, 1e-4, 0.0, 0.0, 0.0])
+    orbit = shaft_orbit(resting(records=401, rotor_displacement=moved))
+    assert whirl(orbit, "rotating").text == "none, at rest"
+    assert whirl(orbit, "static").direction == "forward"
+    assert whirl(shaft_orbit(resting(records=11)), "static").text == "none, at rest"
+    pulsing = moved * np.cos(0.1 * np.arange(401))[:, None]
+    orbit = shaft_orbit(resting(records=401, rotor_displacement=pulsing))
+    assert whirl(orbit, "rotating").text == "no single frequency"

@@ -12,11 +12,16 @@ import synthetic_result as synthetic
 import xarray as xr
 from matplotlib.figure import Figure
 from report_pages import PICTURE, Parsed, reported
+from three_runs import KINDS, run_of
 
 import bladewhirl as bw
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
+from bladewhirl.postprocess.reports.run import _glance
 from bladewhirl.postprocess.run.blade_contact import contact_maps
+from bladewhirl.postprocess.run.extremes import largest_force, stress_split
+from bladewhirl.postprocess.run.stresses import stress_history
 
 MARCHED = {
     "complementarity_residual": 3.25e-12,
@@ -123,3 +128,16 @@ def test_a_killed_march_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert not re.search(r"\bnan\b", page.words)
     assert "900000" in page.words  # steps up to the last record
     assert not (run / "report.html").exists()
+
+
+def test_reports_begin_with_force_stress_and_wear() -> None:
+    """As tiles, with the numbers of the summary, for every kind of stage."""
+    for kind in KINDS:
+        run = run_of(kind)
+        tiles = {name: value for name, value, _ in _glance(run, stress_history(run))}
+        force = largest_force(run)["force"]
+        assert tiles["largest contact force"] == handy(force, "N", 3)
+        split = stress_split(stress_history(run))
+        assert split is not None
+        assert tiles["alternating stress"] == handy(split["alternating"], "Pa", 3)
+        assert ("deepest wear" in tiles) == (kind != "wheel")
