@@ -1,6 +1,6 @@
 """The `[shaft_line]` and `[gravity]` tables of a case: a flexible shaft with disks and bearings."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, StrictStr
 
@@ -124,6 +124,25 @@ class Unbalance(Table):
     """Angle of the couple from the x axis of the shaft [rad]."""
 
 
+class Wheel(Table):
+    """A bladed wheel on the shaft, whose hub moves and tilts with it."""
+
+    position: Coordinate
+    """Position of its hub along z [m]."""
+    unknowns: Literal["two", "four", "six"] = "six"
+    """Displacements of the hub that follow the shaft: "two", x and y; "four", also the tilt; "six",
+    also z and the rotation about z."""
+
+
+class AxialSpring(Table):
+    """A spring between the shaft and the ground along z."""
+
+    position: Coordinate
+    """Position along z [m]."""
+    stiffness: fields.Stiffness
+    """Stiffness [N/m]."""
+
+
 class ShaftLine(Table):
     """A flexible shaft along z with rigid disks, bearings, supports and unbalances, in place of
     [bladed_disk] and [shaft]. It has modes, critical speeds, a Campbell diagram, the response to
@@ -154,6 +173,17 @@ class ShaftLine(Table):
     """Bearings, rows of { name = "rear", position = "1 m", stiffness = "10 MN/m", damping = "1 kN
     s/m" } in static axes; unequal ones have stiffness = [[kxx, kxy], [kyx, kyy]]; support = {
     mass = "20 kg", stiffness = "50 MN/m" } is a mass between bearing and ground."""
+    wheel: Wheel | None = Field(default=None, examples=['{ position = "1.5 m" }'])
+    """Wheel of [bladed_disk.superelement], whose file has hub_dofs: { position = "1.5 m", unknowns
+    = "six" }."""
+    axial: AxialSpring | None = Field(
+        default=None, examples=['{ position = 0, stiffness = "10 MN/m" }']
+    )
+    """Spring along z, { position = 0, stiffness = "10 MN/m" }, of a line with a wheel of six
+    unknowns; without it the line is held along z at drive_position."""
+    drive_position: Coordinate | None = Field(default=None, examples=['"0 m"'])
+    """Position at which the drive turns the line at the speed of the case, so that no torsion moves
+    it [m]; by default the left end."""
     unbalance: Annotated[
         tuple[Unbalance, ...], fields.rows('{ position = "0.5 m", unbalance = "100 g mm" }')
     ] = ()
@@ -170,20 +200,38 @@ class ShaftLine(Table):
     @property
     def off_the_shaft(self) -> list[str]:
         """Keys of the positions that are not on the shaft."""
-        slack = 1e-9 * (self.end - self.start)
         return [
             f"{key}.{number}.position"
             for key in ("disks", "bearings", "unbalance")
             for number, row in enumerate(getattr(self, key))
-            if not self.start - slack <= row.position <= self.end + slack
-        ]
+            if not self._carries(row.position)
+        ] + [key for key, place in self._single.items() if not self._carries(place)]
+
+    def _carries(self, position: float) -> bool:
+        slack = 1e-9 * (self.end - self.start)
+        return self.start - slack <= position <= self.end + slack
+
+    @property
+    def _single(self) -> dict[str, float]:
+        """Positions of wheel, axial spring and drive that are given [m], by key."""
+        given = {
+            "wheel.position": None if self.wheel is None else self.wheel.position,
+            "axial.position": None if self.axial is None else self.axial.position,
+            "drive_position": self.drive_position,
+        }
+        return {key: place for key, place in given.items() if place is not None}
 
     @property
     def positions(self) -> tuple[float, ...]:
-        """Positions of disks, bearings and unbalances [m]."""
+        """Positions of disks, bearings, unbalances, wheel, axial spring and drive [m]."""
         rows: tuple[RigidDisk | Bearing | Unbalance, ...]
         rows = (*self.disks, *self.bearings, *self.unbalance)
-        return tuple(each.position for each in rows)
+        return (*(each.position for each in rows), *self._single.values())
+
+    @property
+    def supports(self) -> int:
+        """Number of supports."""
+        return sum(each.support is not None for each in self.bearings)
 
     def named(self) -> tuple[str, ...]:
         """Return the names of the bearings; those without a name have their number, from 1."""
@@ -191,7 +239,8 @@ class ShaftLine(Table):
 
 
 USED = ("title", "material", "shaft_line", "gravity", "march")
-"""Tables of a case with a shaft line; of [march] only the speed."""
+"""Tables of a case with a shaft line; of [march] only the speed, and with a wheel of [bladed_disk]
+only the superelement."""
 
 
 def beside_line(case: Table) -> list[str]:
@@ -203,10 +252,18 @@ def beside_line(case: Table) -> list[str]:
     }
     if "shaft_line" not in given:
         return []
-    march = given["march"].model_dump(exclude_defaults=True) if "march" in given else {}
+    used = {"march": ["speed"]}
+    if given["shaft_line"].wheel is not None:
+        used["bladed_disk"] = ["superelement"]
+    parts = {name: given[name].model_dump(exclude_defaults=True) for name in used if name in given}
     return [
-        *(name for name in given if name not in USED),
-        *(f"march.{name}" for name in march if name != "speed"),
+        *(name for name in given if name not in (*USED, *used)),
+        *(
+            f"{table}.{name}"
+            for table, part in parts.items()
+            for name in part
+            if name not in used[table]
+        ),
     ]
 
 

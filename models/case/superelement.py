@@ -108,6 +108,8 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
     march, casing = tables.get("march", {}), tables.get("casing", {})
     if not isinstance(file, str | os.PathLike) or "\0" in os.fspath(file):
         return dict(tables)
+    if tables.get("shaft_line") is not None:  # it has neither casing nor march
+        return dict(tables)
     own: dict[str, Any] = {}
     if isinstance(march, Mapping):
         varies = march.keys() & {"speed_table", "run_up"}

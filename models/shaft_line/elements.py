@@ -30,6 +30,7 @@ class RoundElements:
     inner: FloatArray  #: diameter of the bore [m]
     young_modulus: FloatArray  #: Young's modulus [Pa]
     shear_modulus: FloatArray  #: shear modulus times the shear coefficient [Pa]
+    torsion_modulus: FloatArray  #: shear modulus [Pa]
     density: FloatArray  #: density [kg/m3]
 
     @property

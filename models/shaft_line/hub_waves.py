@@ -133,8 +133,10 @@ def _wave(part: Superelement, rigid: ComplexArray, states: "list[_Held]", k: int
                 f"{part.name}: expected equal blades; a wheel on a shaft line cannot be mistuned"
             )
     share = sectors / (1 + k)  # the wave of nodal diameter 1 is two real ones
+    forms = part.projected(basis, Rotating.FORMS)
+    forms["stiffness"][:2] = forms["stiffness"][:, :2] = 0.0  # but for rounding errors
     return HubWave(
-        **{name: share * form for name, form in part.projected(basis, Rotating.FORMS).items()},
+        **{name: share * form for name, form in forms.items()},
         speed=part.speed,
         contact=np.asarray(part.contact_rows @ basis),
     )

@@ -13,11 +13,14 @@ K_2 of the bearings and supports: K u = k_0 z + k_2 conj(z) for u = (Re z, Im z)
     k_0 = (k_xx + k_yy)/2 + i (k_yx - k_xy)/2,   k_2 = (k_xx - k_yy)/2 + i (k_xy + k_yx)/2.
 
 A spinning section resists a change of its slope: -i Omega I_p z' with its polar inertia, which for
-the shaft itself is twice the diametral one.
+the shaft itself is twice the diametral one. A wheel of solids adds its wave of nodal diameter 1,
+whose first displacements are the deflection and the slope of its node, see `hub_waves`; its
+amplitudes turn with it, and are further unknowns z.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +29,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft_line import Matrix2, Segment, ShaftLine, Unbalance
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.shaft_line.elements import RoundElements, cowper, shaft_matrices
+from bladewhirl.models.shaft_line.wheel import WheelOnLine, wheel_on_line
+from bladewhirl.models.superelements.joined import range_of
 
 SAME_PLACE = 1e-9  #: positions that differ by less, as a fraction of the length, are one node
 
@@ -36,11 +41,12 @@ held, as a fraction of the largest one."""
 
 @dataclass(frozen=True, kw_only=True)
 class LineModel:
-    """A shaft line with n complex unknowns: deflection and slope of each node, then supports."""
+    """A shaft line with n complex unknowns: deflection and slope of each node, then supports, then
+    amplitudes of the wheel."""
 
     case: Case
     shaft: RoundElements
-    mass: FloatArray  #: mass M, (n, n)
+    mass: Any  #: mass M, (n, n), complex with a wheel
     polar: FloatArray  #: polar inertias P, (n, n)
     shaft_stiffness: FloatArray  #: stiffness K_s of the shaft, (n, n)
     stiffness: tuple[ComplexArray, ComplexArray]  #: parts K_0 and K_2 of bearings and supports
@@ -49,6 +55,8 @@ class LineModel:
     bearing_rows: FloatArray
     """Displacement of the shaft relative to ground or support at each bearing, as rows on the
     unknowns, (bearings, n)."""
+
+    wheel: WheelOnLine | None = None
 
     @property
     def table(self) -> ShaftLine:
@@ -75,8 +83,8 @@ class LineModel:
     def reference_frequency(self) -> float:
         """Lowest natural frequency at rest without dampers [rad/s], of which speeds are
         multiples."""
-        stiffness = real_form(self.shaft_stiffness + self.stiffness[0], self.stiffness[1])
-        flexibility = np.linalg.solve(stiffness, real_form(self.mass))
+        mass, _, stiffness = self.matrices(0.0)
+        flexibility = np.linalg.solve(stiffness, mass)
         return float(1.0 / np.sqrt(np.abs(np.linalg.eigvals(flexibility)).max()))
 
     @property
@@ -84,16 +92,33 @@ class LineModel:
         """Speed of rotation of the case [rad/s]."""
         return self.case.march.speed.rad_per_s(self.reference_frequency)
 
+    @property
+    def is_round(self) -> bool:
+        """Whether no bearing or support distinguishes two axes, so that the parts C_2 and K_2 are
+        zero."""
+        return not (self.stiffness[1].any() or self.damping[1].any())
+
+    def forms(self, omega: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return mass, damping and stiffness for the unknowns at a speed [rad/s], without the parts
+        C_2 and K_2, (n, n) each."""
+        loss = self.table.loss_time * self.shaft_stiffness
+        drag = self.damping[0] + loss - 1j * omega * self.polar
+        stiffness = self.shaft_stiffness + self.stiffness[0] - 1j * omega * loss
+        if self.wheel is not None:
+            rows = np.ix_(self.wheel.unknowns, self.wheel.unknowns)
+            _, by_velocity, by_place = self.wheel.whirling.turning(omega)
+            drag[rows] += by_velocity
+            stiffness[rows] += by_place
+        return self.mass, drag, stiffness
+
     def matrices(self, omega: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return mass, damping and stiffness for real and imaginary parts of the unknowns at a
         speed [rad/s], (2n, 2n) each; those of damping and stiffness are not symmetric."""
-        loss = self.table.loss_time * self.shaft_stiffness
-        by_velocity = self.damping[0] + loss - 1j * omega * self.polar
-        by_place = self.shaft_stiffness + self.stiffness[0] - 1j * omega * loss
+        mass, drag, stiffness = self.forms(omega)
         return (
-            real_form(self.mass),
-            real_form(by_velocity, self.damping[1]),
-            real_form(by_place, self.stiffness[1]),
+            real_form(mass),
+            real_form(drag, self.damping[1]),
+            real_form(stiffness, self.stiffness[1]),
         )
 
     def unbalance_force(self, rows: tuple[Unbalance, ...]) -> ComplexArray:
@@ -109,8 +134,9 @@ class LineModel:
     def weight(self, acceleration: complex) -> ComplexArray:
         """Return the forces of a uniform acceleration x + i y on all masses [N, N m], (n,)."""
         uniform = np.zeros(self.size)
-        uniform[: 2 * len(self.position) : 2] = 1.0
-        uniform[2 * len(self.position) :] = 1.0
+        nodes, supports = 2 * len(self.position), self.table.supports
+        uniform[:nodes:2] = 1.0
+        uniform[nodes : nodes + supports] = 1.0
         return np.asarray(self.mass @ uniform * acceleration)
 
     def bearing_force(self, unknowns: ComplexArray, velocity: ComplexArray) -> ComplexArray:
@@ -158,19 +184,35 @@ def refuse_line(case: Case) -> None:
         raise CaseError([Fault(key="shaft_line", expected=expected)])
 
 
-def line_model(case: Case) -> LineModel:
+def line_model(case: Case, highest: float = 0.0) -> LineModel:
     """Return the equations of the shaft line of a case.
 
+    Args:
+        case: case with [shaft_line].
+        highest: highest speed besides that of the case at which a wheel is needed [rad/s].
+
     Raises:
-        CaseError: the bearings do not hold the line.
+        CaseError: the bearings do not hold the line, or the wheel has no hub.
     """
+    line = _model(case, 0.0)
+    if line.wheel is not None and (top := range_of(max(abs(line.speed), highest))):
+        return _model(case, top)
+    return line
+
+
+def _model(case: Case, highest: float) -> LineModel:
     table = case.shaft_line
     assert table is not None
     shaft = _elements(case, table)
     plane = shaft_matrices(shaft)
-    supports = sum(each.support is not None for each in table.bearings)
-    size = len(plane.stiffness) + supports
+    held = len(plane.stiffness) + table.supports
+    wheel = None
+    if table.wheel is not None:
+        node = int(np.abs(shaft.node - table.wheel.position).argmin())
+        wheel = wheel_on_line(case, highest, node, held)
+    size = held if wheel is None else max(held, int(wheel.unknowns.max()) + 1)
     square = 2 * [slice(len(plane.stiffness))]
+    mass: Any
     mass, polar, stiffness = np.zeros((3, size, size))
     mass[*square] = plane.translation + plane.rotation
     polar[*square] = 2.0 * plane.rotation
@@ -197,10 +239,15 @@ def line_model(case: Case) -> LineModel:
         _add(springs, bearing.stiffness, row)
         _add(springs, bearing.tilt_stiffness, tilt)
         _add(dampers, bearing.damping, row)
+    if wheel is not None:
+        own = np.zeros((size, size), np.complex128)
+        own[np.ix_(wheel.unknowns, wheel.unknowns)] = wheel.whirling.mass
+        mass = mass + own
     model = LineModel(
         case=case,
         shaft=shaft,
         mass=mass,
+        wheel=wheel,
         polar=polar,
         shaft_stiffness=stiffness,
         stiffness=(springs[0], springs[1]),
@@ -222,7 +269,7 @@ def _check_held(model: LineModel) -> None:
     Raises:
         CaseError: a motion has no stiffness.
     """
-    stiffness = real_form(model.shaft_stiffness + model.stiffness[0], model.stiffness[1])
+    stiffness = model.matrices(0.0)[2]
     scale = 1.0 / np.sqrt(np.abs(np.diag(stiffness)))
     values = np.linalg.svd(scale[:, None] * stiffness * scale, compute_uv=False)
     if not values[-1] > SINGULAR * values[0]:
@@ -253,22 +300,26 @@ def _elements(case: Case, table: ShaftLine) -> RoundElements:
         + ((each.end_outer_diameter or each.outer_diameter) - each.outer_diameter) * along
         for each, along in zip(rows, share, strict=True)
     ]
-    shear = [_shear(row) for row in rows]
+    torsion = np.array(
+        [
+            m.young_modulus / (2.0 + 2.0 * row.poisson_ratio)
+            for row, m in zip(rows, materials, strict=True)
+        ]
+    )
     return RoundElements(
         node=nodes,
         outer=np.array(outer),
         inner=np.array([each.inner_diameter for each in rows]),
         young_modulus=np.array([each.young_modulus for each in materials]),
-        shear_modulus=np.array(
-            [s * m.young_modulus for s, m in zip(shear, materials, strict=True)]
-        ),
+        shear_modulus=torsion * [_shear(row) for row in rows],
+        torsion_modulus=torsion,
         density=np.array([each.density for each in materials]),
     )
 
 
 def _shear(segment: Segment) -> float:
-    """Return the shear coefficient times the shear modulus, divided by Young's modulus."""
+    """Return the shear coefficient."""
+    if segment.shear_coefficient is not None:
+        return segment.shear_coefficient
     middle = (segment.outer_diameter + (segment.end_outer_diameter or segment.outer_diameter)) / 2.0
-    nu, own = segment.poisson_ratio, segment.shear_coefficient
-    coefficient = cowper(segment.inner_diameter / middle, nu) if own is None else own
-    return coefficient / (2.0 + 2.0 * nu)
+    return cowper(segment.inner_diameter / middle, segment.poisson_ratio)

@@ -78,14 +78,24 @@ def line_modes(line: LineModel, omega: float, count: int | None = None) -> LineM
         omega: speed of rotation [rad/s].
         count: number of modes; all if None.
     """
-    inverse, vectors = la.eig(_inverse(line, omega))
-    found = 1.0 / inverse[np.abs(inverse) > 0.0]
-    vectors = vectors[: 2 * line.size, np.abs(inverse) > 0.0]
+    if line.is_round:
+        found, vectors = _eigenpairs(line.forms(omega), line.reference_frequency)
+        ahead = found.imag > 0.0
+        left, right = (np.where(each, vectors, 0.0) for each in (ahead, ~ahead))
+        found = np.where(ahead, found, found.conj())
+    else:
+        found, vectors = _eigenpairs(line.matrices(omega), line.reference_frequency)
+        x, y = np.split(vectors, 2)
+        left, right = (x + 1j * y) / 2.0, (x.conj() + 1j * y.conj()) / 2.0
     whirls = np.flatnonzero(found.imag > OVERDAMPED * np.abs(found))
-    rows = whirls[np.argsort(found[whirls].imag, kind="stable")][:count]
-    x, y = (each.T for each in np.split(vectors[:, rows], 2))
-    left, right = (x + 1j * y) / 2.0, (x.conj() + 1j * y.conj()) / 2.0
-    return _separated(LineModes(speed=omega, eigenvalue=found[rows], left=left, right=right))
+    rows = whirls[np.argsort(found[whirls].imag, kind="stable")]
+    for one in np.flatnonzero(
+        line.is_round & (np.abs(np.diff(found[rows])) < SAME * np.abs(found[rows[1:]]))
+    ):
+        rows[one : one + 2] = sorted(rows[one : one + 2], key=lambda row: not left[:, row].any())
+    rows = rows[:count]
+    modes = LineModes(speed=omega, eigenvalue=found[rows], left=left.T[rows], right=right.T[rows])
+    return modes if line.is_round else _separated(modes)
 
 
 def _separated(modes: LineModes) -> LineModes:
@@ -103,17 +113,23 @@ def _separated(modes: LineModes) -> LineModes:
     return LineModes(speed=modes.speed, eigenvalue=s, left=left, right=right)
 
 
-def _inverse(line: LineModel, omega: float) -> FloatArray:
-    """Return the matrix whose eigenvalues are the inverse eigenvalues of the line, (4n, 4n)."""
-    mass, damping, stiffness = line.matrices(omega)
-    factor, scale = la.lu_factor(stiffness), line.reference_frequency
-    one = np.eye(len(mass))
-    return np.block(
-        [
-            [-la.lu_solve(factor, damping), -la.lu_solve(factor, mass) * scale],
-            [one / scale, np.zeros_like(one)],
-        ]
+def _eigenpairs(
+    matrices: tuple[ComplexArray | FloatArray, ...], scale: float
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the eigenvalues of mass, damping and stiffness, (n, n) each, and their vectors as
+    columns, (n, modes); `scale` is a frequency that makes velocities comparable [rad/s]."""
+    mass, damping, stiffness = matrices
+    factor, one = la.lu_factor(stiffness), np.eye(len(mass))
+    inverse, vectors = la.eig(
+        np.block(
+            [
+                [-la.lu_solve(factor, damping), -la.lu_solve(factor, mass) * scale],
+                [one / scale, np.zeros_like(one)],
+            ]
+        )
     )
+    found = np.abs(inverse) > 0.0
+    return 1.0 / inverse[found], vectors[: len(mass), found]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -18,6 +17,7 @@ from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.superelements.condensed import condensed
+from bladewhirl.models.superelements.joined import range_of
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -157,12 +157,6 @@ def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOver
         *(part, table.copies, modes, 0.0 if effects == "none" else highest, table.file),
         mistuned=case.bladed_disk.mistuning.is_given(table.copies),
     )
-
-
-def range_of(omega: float) -> float:
-    """Return the next power of two above a speed [rad/s], up to which structures are condensed, so
-    that points of a sweep and single runs have the same numbers; 0 at rest."""
-    return 2.0 ** float(np.ceil(np.log2(abs(omega)))) if omega else 0.0
 
 
 def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:

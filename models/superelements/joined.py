@@ -41,6 +41,12 @@ def over_speeds(
     )
 
 
+def range_of(omega: float) -> float:
+    """Return the next power of two above a speed [rad/s], up to which structures are condensed, so
+    that points of a sweep and single runs have the same numbers; 0 at rest."""
+    return 2.0 ** float(np.ceil(np.log2(abs(omega)))) if omega else 0.0
+
+
 def joined(part: Superelement, fields: list[Field]) -> Field:
     """Return mass-normalised modes of the structure at rest in the space of all fields, (n, m).
 

@@ -1,0 +1,99 @@
+"""Axial and torsional vibration of a shaft line with a wheel of solids.
+
+The wave of nodal diameter 0 of the wheel couples the displacement of its hub along the axis and the
+rotation about it. Elements of the shaft are rods, with linear displacements and rotations. The line
+is held along z by its axial spring or at the drive, about z at the drive. Rotating and static axes
+show the same frequencies.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.shaft_line.line import LineModel
+
+STRETCH = np.array([[1.0, -1.0], [-1.0, 1.0]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxialModes:
+    """Modes along and about the axis, by rising frequency."""
+
+    eigenvalue: ComplexArray  #: decay rate (negative) plus i times frequency [rad/s], (modes,)
+    direction: tuple[str, ...]  #: "axial" or "torsional", whichever has more kinetic energy
+
+
+def axial_modes(line: LineModel, omega: float) -> AxialModes:
+    """Return the modes of a line with a wheel of six unknowns at a speed [rad/s]; none of other
+    lines."""
+    if line.wheel is None or line.wheel.axial is None:
+        return AxialModes(eigenvalue=np.zeros(0, np.complex128), direction=())
+    mass, drag, stiffness, nodes = _matrices(line, omega)
+    one = np.eye(len(mass))
+    first = np.block(
+        [[0.0 * one, one], [-la.solve(mass, stiffness), -la.solve(mass, drag)]],
+    )
+    values, vectors = la.eig(first)
+    rows = np.flatnonzero(values.imag > 0.0)
+    rows = rows[np.argsort(values[rows].imag, kind="stable")]
+    shapes = vectors[: len(mass), rows]
+    along, about = (
+        np.einsum("nm,nk,km->m", shapes[own].conj(), mass[np.ix_(own, own)], shapes[own]).real
+        for own in nodes
+    )
+    names = np.where(along > about, "axial", "torsional")
+    return AxialModes(eigenvalue=values[rows], direction=tuple(names.tolist()))
+
+
+def _matrices(
+    line: LineModel, omega: float
+) -> tuple[FloatArray, FloatArray, FloatArray, tuple[IntArray, IntArray]]:
+    """Return mass, damping and stiffness of the displacements and the rotations that are not held
+    and of the amplitudes of the wheel, and the numbers of the former two."""
+    assert line.wheel is not None
+    assert line.wheel.axial is not None
+    shaft, table, wave = line.shaft, line.table, line.wheel.axial
+    count, size = len(shaft.node), 2 * len(shaft.node) + wave.size - 2
+    mass, drag, stiffness = np.zeros((3, size, size))
+    area = np.pi / 4.0 * (shaft.outer**2 - shaft.inner[:, None] ** 2)
+    polar = np.pi / 32.0 * (shaft.outer**4 - shaft.inner[:, None] ** 4)
+    parts = (shaft.young_modulus, area), (shaft.torsion_modulus, polar)
+    for first, (modulus, section) in zip((0, count), parts, strict=True):
+        for element, (left, right) in enumerate(section):
+            length, middle = shaft.length[element], (left + right) / 2.0
+            ends = first + element + np.arange(2)
+            both = np.ix_(ends, ends)
+            stiffness[both] += modulus[element] * middle / length * STRETCH
+            # linear sections: integrals of products of three linear functions
+            spread = np.array(
+                [[3.0 * left + right, left + right], [left + right, left + 3.0 * right]]
+            )
+            mass[both] += shaft.density[element] * length / 12.0 * spread
+    drag += table.loss_time * stiffness
+    for disk in table.disks:
+        node = line.node(disk.position)
+        mass[node, node] += disk.mass
+        mass[count + node, count + node] += disk.polar_inertia
+    own = np.concatenate(
+        [[line.wheel.node, count + line.wheel.node], 2 * count + np.arange(wave.size - 2)]
+    )
+    rows = np.ix_(own, own)
+    mass[rows] += wave.mass.real
+    drag[rows] += wave.drag(omega).real
+    stiffness[rows] += wave.stiffness_at(omega).real
+    drive = line.node(table.start if table.drive_position is None else table.drive_position)
+    held = [count + drive]
+    if table.axial is None:
+        held.append(drive)
+    else:
+        spring = line.node(table.axial.position)
+        stiffness[spring, spring] += table.axial.stiffness
+    free = np.delete(np.arange(size), held)
+    along, about = (
+        np.flatnonzero(free < count),
+        np.flatnonzero((free >= count) & (free < 2 * count)),
+    )
+    chosen = np.ix_(free, free)
+    return mass[chosen], drag[chosen], stiffness[chosen], (along, about)
