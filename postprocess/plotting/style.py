@@ -163,16 +163,21 @@ def save_figure(
 
     Args:
         figure: figure drawn in the common style.
-        path: path of the files without suffix; a suffix .png, .pdf or .svg is ignored. The folder
-            is created if needed.
+        path: path of the files without suffix; a suffix .png, .pdf, .svg or .html is ignored. The
+            folder is created if needed.
         data: data of the figure; None writes no netCDF file.
-        formats: "png", "pdf" or "svg".
+        formats: "png", "pdf", "svg", or "html", a page that states the values under the pointer.
     """
     path = Path(path)
-    name = path.stem if path.suffix in (".png", ".pdf", ".svg") else path.name
+    name = path.stem if path.suffix in (".png", ".pdf", ".svg", ".html") else path.name
     pictures = [path.with_name(f"{name}.{suffix}") for suffix in formats]
     with laid_out(figure):
         for picture, suffix in zip(pictures, formats, strict=True):
+            if suffix == "html":
+                from bladewhirl.postprocess.plotting.hover import write_figure_page
+
+                write_figure_page(figure, picture)
+                continue
             faster: Any = {"pil_kwargs": {"compress_level": 3}} if suffix == "png" else {}
             with replacing(picture) as draft:
                 figure.savefig(draft, format=suffix, **faster)

@@ -4,8 +4,6 @@ The page embeds pictures as PNG and the program that draws interactive plots. Th
 policy of the page forbids loading of other files.
 """
 
-import base64
-import io
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
@@ -21,9 +19,8 @@ from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
+from bladewhirl.postprocess.plotting.hover import as_png, hover_data, script
 from bladewhirl.postprocess.plotting.style import laid_out, styled
-
-DPI = 200  #: resolution of the pictures: a column of 8 cm is as wide as half a screen [1/inch]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +43,7 @@ class ReportFigure(Block):
     kind = "drawing"
 
     picture: str = ""  #: PNG in base64; empty if the figure is missing
+    hover: Sequence[Mapping[str, Any]] = ()  #: values under the pointer, see `hover.hover_data`
     obstacle: str = ""  #: reason why there is no picture
 
 
@@ -126,10 +124,11 @@ def report_figures(
     for kind in figures.kinds.values():
         if kind.section != section or kind.name in left_out:
             continue
-        picture, obstacle, caption = "", "", f"{kind.about}."
+        picture, obstacle, caption, hover = "", "", f"{kind.about}.", list[dict[str, Any]]()
         try:
             figure, data = figures.draw(kind.name)
             picture, caption = _as_png(figure), kind.caption_of(_contents(data))
+            hover = hover_data(figure)
         except ViewError as error:
             obstacle = str(error)
         drawn.append(
@@ -138,6 +137,7 @@ def report_figures(
                 title=kind.title,
                 caption=caption,
                 picture=picture,
+                hover=hover,
                 obstacle=obstacle,
                 wide=kind.wide,
             )
@@ -158,10 +158,8 @@ def _is_text(values: xr.Variable) -> bool:
 
 @styled
 def _as_png(figure: Figure) -> str:
-    file = io.BytesIO()
     with laid_out(figure):
-        figure.savefig(file, format="png", dpi=DPI)
-    return base64.b64encode(file.getvalue()).decode("ascii")
+        return as_png(figure)
 
 
 def write_page(page: Page, path: str | Path) -> Path:
@@ -176,5 +174,6 @@ def write_page(page: Page, path: str | Path) -> Path:
     plotly = resources.files("plotly").joinpath("package_data/plotly.min.js")
     program = plotly.read_text("utf-8") if draws else ""  # five megabytes
     package = "bladewhirl.postprocess.reports"
-    write_atomically(target, filled_template(package, "page.html", page=page, program=program))
+    text = filled_template(package, "page.html", page=page, program=program, hover=script())
+    write_atomically(target, text)
     return target

@@ -53,7 +53,9 @@ def plot(
     end: options.End = None,
     others: Annotated[list[Path] | None, typer.Option("--with", metavar="DIR")] = None,
     output: options.Output = None,
-    format_name: Annotated[Literal["png", "pdf", "svg"] | None, typer.Option("--format")] = None,
+    format_name: Annotated[
+        Literal["png", "pdf", "svg", "html"] | None, typer.Option("--format")
+    ] = None,
     width: Annotated[float | None, typer.Option(metavar="MM", min=40, max=500)] = None,
     title: str | None = None,
     overwrite: options.Replace = False,
@@ -71,7 +73,8 @@ def plot(
             a branch gives points over the figure branch, further branches give the figure
             backbone, and branches over one of the two keys of a sweep are lines in its maps.
         output: Folder for the figures; by default DIR/plots.
-        format_name: Format of the pictures, png by default.
+        format_name: Format of the pictures, png by default; html is a page that states the values
+            under the pointer.
         width: Width of a figure [mm]: 85 for a column, 170 for a page.
         title: Another title of the figure; "" for no title.
     """
