@@ -96,11 +96,9 @@ class LabelledModes(ListedModes):
     def drawn(self, numbers: IntArray) -> IntArray:
         return numbers[:1]
 
-    def waves_of(self, numbers: IntArray, omega: float) -> set[Direction]:
-        return {"standing", "forward", "backward"} if len(numbers) == 2 else {"standing"}
-
-    def of_wave(self, numbers: IntArray, wave: Direction, omega: float) -> IntArray:
-        return numbers
+    def waves_of(self, numbers: IntArray, omega: float) -> dict[Direction, IntArray]:
+        waves: tuple[Direction, ...] = ("standing", "forward", "backward")
+        return dict.fromkeys(waves if len(numbers) == 2 else waves[:1], numbers)
 
     def real_fields(self, fields: ComplexArray) -> FloatArray:
         return fields.real

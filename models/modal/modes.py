@@ -130,12 +130,9 @@ class ListedModes(ModeTable, ABC):
         """Return those of the modes of one name that have shapes of their own."""
 
     @abstractmethod
-    def waves_of(self, numbers: IntArray, omega: float) -> set[Direction]:
-        """Return the directions of the waves that modes of one name can show at a speed [rad/s]."""
-
-    @abstractmethod
-    def of_wave(self, numbers: IntArray, wave: Direction, omega: float) -> IntArray:
-        """Return those of the modes of one name that a film of one of `waves_of` shows."""
+    def waves_of(self, numbers: IntArray, omega: float) -> dict[Direction, IntArray]:
+        """Return the waves that modes of one name can show at a speed [rad/s], by direction, with
+        the numbers of the modes of each wave."""
 
     @abstractmethod
     def real_fields(self, fields: ComplexArray) -> FloatArray:

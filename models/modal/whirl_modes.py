@@ -77,13 +77,9 @@ class WhirlModes(ListedModes):
     def drawn(self, numbers: IntArray) -> IntArray:
         return numbers
 
-    def waves_of(self, numbers: IntArray, omega: float) -> set[Direction]:
+    def waves_of(self, numbers: IntArray, omega: float) -> dict[Direction, IntArray]:
         named, _ = self.named_directions(omega)
-        return {named[number] for number in numbers}
-
-    def of_wave(self, numbers: IntArray, wave: Direction, omega: float) -> IntArray:
-        named, _ = self.named_directions(omega)
-        return np.array([number for number in numbers if named[number] == wave][:1])
+        return {named[number]: np.array([number]) for number in numbers[::-1]}  # the lowest
 
     def real_fields(self, fields: ComplexArray) -> FloatArray:
         """Return two real fields of each mode, Re p and -Im p: its motion is Re p cos(w t) - Im p

@@ -204,7 +204,7 @@ def _film(
 ) -> None:
     """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
     modes = _modes_of(stage, mode.body)
-    numbers = modes.of_wave(mode.numbers, wave, stage.speed)
+    numbers = modes.waves_of(mode.numbers, stage.speed)[wave]
     purity, hertz = modes.purity[numbers[0]], modes.frequency[numbers[0]] / (2.0 * np.pi)
     name = mode_title(mode.family, mode.nodal_diameter, purity)
     on_casing = mode.body == "casing"
