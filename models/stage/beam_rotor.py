@@ -8,7 +8,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BeamMatrices, BladedDiskModel
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.stage.export import BLADES
-from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor, contact_rows
 from bladewhirl.models.structure.eigenproblems import modal_damping
 
 ROUNDING = 1e-11
@@ -36,9 +36,11 @@ def reduced_rotor(
     return ReducedRotor(
         frequency=modes.frequency,
         damping_ratio=np.full(modes.count, case.damping.ratio if by_velocity is None else 0.0),
-        tip_radial=modes.shapes[disk.tip_radial],
-        tip_tangential=modes.shapes[disk.tip_tangential],
-        tip_axial=np.zeros((len(recess), modes.count)),
+        contact=contact_rows(
+            modes.shapes[disk.tip_radial],
+            modes.shapes[disk.tip_tangential],
+            np.zeros((len(recess), modes.count)),
+        ),
         centre=centre,
         tip_angle=disk.tip_angles,
         tip_radius=radius,

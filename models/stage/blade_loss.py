@@ -287,12 +287,11 @@ def _without_tips(
     rotor: ReducedRotor, given: ContactProblem, blades: IntArray, reach: FloatArray
 ) -> ReducedRotor:
     """Return a rotor whose lost tips do not move and cannot reach the wall."""
-    radial, tangential = rotor.tip_radial.copy(), rotor.tip_tangential.copy()
-    radial[blades] = tangential[blades] = 0.0
+    contact = rotor.contact.copy()
+    contact.reshape(len(rotor.tip_angle), -1)[blades] = 0.0
     return replace(
         rotor,
-        tip_radial=radial,
-        tip_tangential=tangential,
+        contact=contact,
         tip_recess=_recess_without(given, blades, reach),
     )
 

@@ -97,8 +97,7 @@ def in_cone(
     return (
         replace(
             rotor,
-            tip_radial=contact[0::3],
-            tip_axial=contact[2::3],
+            contact=contact,
             tip_recess=recess,
             compliance=compliance,
             normal_share=own,

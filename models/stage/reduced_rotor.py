@@ -21,10 +21,9 @@ class ReducedRotor:
     """Frequency [rad/s], (modes,); negative if spin softening makes its square negative, see
     `stiffness`."""
     damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
-    tip_radial: FloatArray  #: radial displacement of the tips of a copy [kg^-1/2], (tips, modes)
-    tip_tangential: FloatArray
-    """Displacement of the tips of a copy towards +theta [kg^-1/2], (tips, modes)."""
-    tip_axial: FloatArray  #: axial displacement of the tips of a copy [kg^-1/2], (tips, modes)
+    contact: FloatArray
+    """Radial, tangential (towards +theta) and axial displacements of the tips of a copy [kg^-1/2],
+    (3 * tips, modes)."""
     centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero if clamped
     tip_angle: FloatArray  #: angle of each tip from +x [rad], (tips,)
     tip_radius: float  #: radius from which the clearance is measured [m]
@@ -88,9 +87,7 @@ class ReducedRotor:
         return cls(
             frequency=frequency.ravel(),
             damping_ratio=damping_ratio.ravel(),
-            tip_radial=contact[0::3],
-            tip_tangential=contact[1::3],
-            tip_axial=contact[2::3],
+            contact=contact,
             centre=np.zeros((2, copies * modes)) if centre is None else np.tile(centre, copies),
             tip_angle=angle.ravel(),
             tip_radius=tip_radius,
@@ -135,11 +132,19 @@ class ReducedRotor:
         return values.reshape(self.copies, -1)
 
     @property
-    def contact(self) -> FloatArray:
-        """Radial, tangential and axial displacements of the tips of a copy [kg^-1/2],
-        (3 * tips, modes)."""
-        components = (self.tip_radial, self.tip_tangential, self.tip_axial)
-        return np.stack(components, axis=1).reshape(-1, self.tip_radial.shape[1])
+    def tip_radial(self) -> FloatArray:
+        """Radial displacement of the tips of a copy [kg^-1/2], (tips, modes)."""
+        return self.contact[0::3]
+
+    @property
+    def tip_tangential(self) -> FloatArray:
+        """Displacement of the tips of a copy towards +theta [kg^-1/2], (tips, modes)."""
+        return self.contact[1::3]
+
+    @property
+    def tip_axial(self) -> FloatArray:
+        """Axial displacement of the tips of a copy [kg^-1/2], (tips, modes)."""
+        return self.contact[2::3]
 
     def at_tips(self, rows: FloatArray, displacement: FloatArray) -> FloatArray:
         """Return a component of the displacements of all tips, (tips,).
@@ -189,9 +194,7 @@ class ReducedRotor:
             self,
             frequency=self.frequency[modes],
             damping_ratio=self.damping_ratio[modes],
-            tip_radial=self.tip_radial[:, modes],
-            tip_tangential=self.tip_tangential[:, modes],
-            tip_axial=self.tip_axial[:, modes],
+            contact=self.contact[:, modes],
             centre=self.centre[:, modes],
             column=self.column[modes],
             dampers=self.dampers[:, modes],
@@ -214,3 +217,8 @@ class ReducedRotor:
             return force
         each = [self.by_velocity @ own for own in self.by_copy(velocity)]
         return np.asarray(force - np.concatenate(each))
+
+
+def contact_rows(radial: FloatArray, tangential: FloatArray, axial: FloatArray) -> FloatArray:
+    """Return `ReducedRotor.contact` of displacements in each direction, (tips, modes) each."""
+    return np.stack([radial, tangential, axial], axis=1).reshape(-1, radial.shape[1])

@@ -14,7 +14,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import Load, at_rest
-from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor, contact_rows
 from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.solvers.march.sudden_changes import make_scheme
@@ -23,14 +23,15 @@ FAR = 1e3  #: displacement limit that is never reached [m]
 
 
 def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRotor:
-    """Return an undamped rotor with tips at angle 0; `rows` replaces values of fields."""
+    """Return an undamped rotor with tips at angle 0; `rows` replaces values of fields, or
+    `tip_radial` and `tip_tangential`, which are zero by default."""
     modes = len(frequency)
+    still = np.zeros((tips, modes))
+    moved = [rows.pop(name, still) for name in ("tip_radial", "tip_tangential")]
     body = ReducedRotor(
         frequency=frequency,
         damping_ratio=np.zeros(modes),
-        tip_radial=np.zeros((tips, modes)),
-        tip_tangential=np.zeros((tips, modes)),
-        tip_axial=np.zeros((tips, modes)),
+        contact=contact_rows(moved[0], moved[1], still),
         centre=np.zeros((2, modes)),
         tip_angle=np.zeros(tips),
         tip_radius=1.0,

@@ -26,7 +26,9 @@ Sliding = Literal["permanent", "signed"]
 
 def test_columns_that_the_displacements_do_not_follow_are_refused() -> None:
     given = stage_problem(5, 8)
-    turned = replace(given.rotor, tip_radial=given.rotor.tip_radial[[1, 0, 2, 3, 4]])
+    by_tip = given.rotor.contact.reshape(5, 3, -1)
+    changed = by_tip[[1, 0, 2, 3, 4]].reshape(given.rotor.contact.shape)
+    turned = replace(given.rotor, contact=changed)
     with pytest.raises(ValueError, match="do not match"):
         run(replace(given, rotor=turned), 1e-7, 1)
     mixed = replace(given.casing, column=np.roll(given.casing.column, 1))

@@ -76,9 +76,9 @@ def test_blades_of_different_motion_or_at_other_angles_have_no_columns(sector: P
     blades, column = found
     assert blades == 12
     assert np.bincount(column, minlength=12).min() > 0
-    softer = rotor.tip_radial.copy()
+    softer = rotor.contact.copy()
     softer[0] *= 1.01
-    assert blade_columns(replace(rotor, tip_radial=softer)) is None
+    assert blade_columns(replace(rotor, contact=softer)) is None
     moved = rotor.tip_angle.copy()
     moved[0] += 1e-3
     assert blade_columns(replace(rotor, tip_angle=moved)) is None

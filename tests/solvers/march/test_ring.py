@@ -34,7 +34,7 @@ def test_blades_in_a_ring_keep_energy_momentum_and_symmetries(massless: bool) ->
     flipped = None if compliance is None else flip[:, None] * compliance * flip
     image = replace(
         rotor,
-        tip_tangential=-rotor.tip_tangential,
+        contact=flip[:, None] * rotor.contact,
         compliance=flipped,
         tip_angle=-rotor.tip_angle,
     )

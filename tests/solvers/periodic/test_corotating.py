@@ -19,7 +19,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import Load, Start
-from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor, contact_rows
 from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.solvers.periodic.corotating import _deviations as deviations
 from bladewhirl.solvers.periodic.corotating import _rows as rows
@@ -112,8 +112,11 @@ def round_disk(speed: float, friction: float, angle: FloatArray, local: float) -
     rotor = ReducedRotor(
         frequency=np.full(2, np.sign(square) * np.sqrt(np.abs(square))),
         damping_ratio=np.zeros(2),
-        tip_radial=np.column_stack([np.cos(angle), np.sin(angle)]),
-        tip_tangential=np.column_stack([-np.sin(angle), np.cos(angle)]),
+        contact=contact_rows(
+            np.column_stack([np.cos(angle), np.sin(angle)]),
+            np.column_stack([-np.sin(angle), np.cos(angle)]),
+            np.zeros((tips, 2)),
+        ),
         centre=np.eye(2),
         tip_angle=angle,
         tip_radius=1.0,
@@ -122,7 +125,6 @@ def round_disk(speed: float, friction: float, angle: FloatArray, local: float) -
         dampers=np.sqrt(2.0 * DAMPING) * np.eye(2),
         by_velocity=2.0 * speed * np.array([[0.0, -1.0], [1.0, 0.0]]),
         circulation=2.0 * DAMPING * speed,
-        tip_axial=np.zeros((tips, 2)),
         contact_radius=np.ones(tips),
         compliance=compliance,
     )
