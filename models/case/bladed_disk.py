@@ -206,6 +206,12 @@ class BladedDisk(ReplacedKeys):
     "blade" }; by default there is none."""
 
     @property
+    def matrices(self) -> SuperelementTable:
+        """Table of the superelement of a bladed disk that is one."""
+        assert self.superelement is not None
+        return self.superelement
+
+    @property
     def count(self) -> int:
         """Number of blades, or copies of a superelement."""
         if self.superelement is not None:

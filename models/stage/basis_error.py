@@ -24,8 +24,7 @@ def basis_error(case: Case, speed: float, frequency: FloatArray) -> float | None
         speed: speed of rotation [rad/s].
         frequency: frequencies at this speed, ascending [rad/s], (modes,).
     """
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     effects, massless = case.rotation.effects, case.reduction.boundary == "massless"
     if effects == "none" or not massless or case.bladed_disk.mistuning.is_given(table.copies):
         return None

@@ -64,8 +64,7 @@ def build_matrices(case: Case, ring: Ring | None = None, *, blades: bool = False
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
     """
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     part, at_rest, omega = structure_of(case), None, 0.0
     factor = case.bladed_disk.mistuning.factors("stiffness", table.copies)
     shown = np.arange(part.point_count)
@@ -181,8 +180,7 @@ def _reduced_at(
     Raises:
         SuperelementError: as for `massless` and `consistent`.
     """
-    table, reduction = case.bladed_disk.superelement, case.reduction
-    assert table is not None
+    table, reduction = case.bladed_disk.matrices, case.reduction
     if table.kind == "sector" and reduction.boundary == "massless":
         speeds = omega, highest
         found = wheel_of_sectors(case, part, speeds, factor, others, blades=blades)

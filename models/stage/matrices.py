@@ -57,9 +57,7 @@ class Matrices(Stage):
     @property
     def table(self) -> SuperelementTable:
         """The table of the case."""
-        table = self.case.bladed_disk.superelement
-        assert table is not None
-        return table
+        return self.case.bladed_disk.matrices
 
     def at(self, omega: float) -> "Matrices":
         stage = self

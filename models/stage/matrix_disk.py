@@ -264,8 +264,7 @@ def still_stage(case: Case, count: int | None) -> Matrices:
         case: the case.
         count: number of modes to list; all if None.
     """
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     still = without_rotation(case)
     if count is not None and case.reduction.boundary == "massless":
         if _is_of_equal_sectors(case):
@@ -316,8 +315,7 @@ def _whirls(stage: Matrices) -> bool:
 
 def _is_of_equal_sectors(case: Case) -> bool:
     """Return whether the modes of sectors with a massless boundary are listed."""
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     mistuned = case.bladed_disk.mistuning.is_given(table.copies)
     return table.kind == "sector" and not mistuned and case.reduction.boundary == "massless"
 
@@ -363,8 +361,7 @@ def _blocks(
 def _with_modes(case: Case, each: int) -> Case:
     """Return a case whose part is reduced to some modes, those of a sector of each nodal diameter;
     or to all but one of them."""
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     part = table.part
     most = part.size - 1
     if part.right_dofs is not None:
@@ -385,8 +382,7 @@ def _lowest_blocks(
         further: number of further modes of each nodal diameter.
         highest: the speed [rad/s]; 0 for modes at rest, where the reduction of the case is used.
     """
-    table, equal = still.bladed_disk.superelement, replace(part, blade_stiffness=None)
-    assert table is not None
+    table, equal = still.bladed_disk.matrices, replace(part, blade_stiffness=None)
     known, blocks = dict[int, int](), dict[int, NodalBlock]()  # number of modes; blocks
     short, each = [*range(table.copies // 2 + 1)], still.reduction.free_interface_modes
     while short:

@@ -41,8 +41,7 @@ Kept = TypeVar("Kept")
 
 def assembled(case: Case, part: Superelement) -> Superelement:
     """Return a superelement on the springs of the shaft; a sector as a wheel."""
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     if part.centre_dofs is not None:
         part = on_springs(case, part)
     if table.kind != "sector":
@@ -59,8 +58,7 @@ def structure_of(case: Case) -> Superelement:
     Raises:
         CaseError: the file does not give the stiffness of each blade.
     """
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     part = table.part
     if table.kind == "sector" or part.blade_stiffness is None:
         return part
@@ -91,8 +89,7 @@ def remembered(kept: dict[str, Kept], key: str, compute: Callable[[], Kept]) -> 
 def over_speeds(case: Case, part: Superelement, omega: float) -> Superelement:
     """Return a large blade or wheel condensed for the `range_of` a speed [rad/s]; other
     superelements as they are."""
-    table, modes = case.bladed_disk.superelement, case.reduction.free_interface_modes
-    assert table is not None
+    table, modes = case.bladed_disk.matrices, case.reduction.free_interface_modes
     massless_ends = case.reduction.boundary == "massless"
     if part.size < LARGE or table.kind == "sector" or not massless_ends or omega == 0.0:
         return part
@@ -136,8 +133,7 @@ def wheel_of_sectors(
             `further_modes.further`.
         blades: whether the stiffness of equal blades is needed, see `wheel_over_speeds`.
     """
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     mistuned = case.bladed_disk.mistuning.is_given(table.copies)
     if not (mistuned or blades):
         part = replace(part, blade_stiffness=None)
@@ -148,8 +144,7 @@ def wheel_of_sectors(
 def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:
     """Return a wheel of sectors for the `range_of` a speed [rad/s]; with `blade_stiffness` it has
     the stiffness of each blade."""
-    table, effects = case.bladed_disk.superelement, case.rotation.effects
-    assert table is not None
+    table, effects = case.bladed_disk.matrices, case.rotation.effects
     if effects == "centrifugal":
         part = replace(part, gyroscopic=None)
     modes, highest = case.reduction.free_interface_modes, range_of(omega)
@@ -170,8 +165,7 @@ def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Su
 
 def structure_key(case: Case) -> str:
     """Return text that is the same for cases with the same structure."""
-    table = case.bladed_disk.superelement
-    assert table is not None
+    table = case.bladed_disk.matrices
     return repr((table, table.stamp, case.shaft, case.reduction, case.bladed_disk.mistuning))
 
 

@@ -52,6 +52,11 @@ class System:
         """
         return growth_rate(self.modes, speed=omegas, kappa=kappas[:, None], progress=progress)
 
+    def rotor_alone(self, omega: float) -> dict[str, Any]:
+        """Compute the stability of the uncoupled bladed disk at a speed [rad/s], see `EvenSystem`;
+        empty where it is not computed."""
+        return {}
+
     def options(self) -> dict[str, object]:
         """Return the options for reports."""
         return {

@@ -105,9 +105,7 @@ def point_report(
     point["eigenvalues"] = np.column_stack([data["real"], data["imaginary"]]).tolist()
     if "growth_rate_floquet" in data:
         point["growth_rate_floquet"] = data["growth_rate_floquet"].item()
-    point |= system.options()
-    if isinstance(system, EvenSystem):
-        point |= system.rotor_alone(omega)
+    point |= system.options() | system.rotor_alone(omega)
     if folder is not None:
         if not isinstance(system, EvenSystem):
             raise UserError(
@@ -171,9 +169,7 @@ def chart_report(
         "at_kappa": float(largest["kappa"]),
         "unstable_share": float(is_unstable(growth.values, omegas).mean()),
     }
-    if isinstance(system, EvenSystem):
-        document |= system.rotor_alone(float(omegas[-1]))
-    document |= system.options()
+    document |= system.rotor_alone(float(omegas[-1])) | system.options()
     tables = [facts(texts(document, CHART) | _rotor_alone(document))]
     if "zones" in document:
         lists = [column.key for column in BORDERS]
