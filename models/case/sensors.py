@@ -27,8 +27,11 @@ MOST_PROBES, NAMED_PROBES = 1000, 4
 """Largest number of probes of a sensor, and of probes that are all part of its name."""
 
 _NAME = fields.text(
-    re.compile(rf"(?!(?i:{'|'.join(RESERVED)})$)(?:[A-Za-z0-9][A-Za-z0-9.-]{{0,59}})?"),
-    "up to 60 letters, digits, dots and hyphens, as the name of a file, other than"
+    re.compile(
+        rf"(?!(?i:{'|'.join(RESERVED)})$)"
+        r"(?:[A-Za-z0-9](?:[A-Za-z0-9. -]{0,58}[A-Za-z0-9.-])?)?"
+    ),
+    "up to 60 letters, digits, dots, hyphens and blanks, as the name of a file, other than"
     f" {', '.join(RESERVED)}",
 )
 
@@ -114,7 +117,7 @@ class StrainGauge(SensorTable):
     """Strain along the surface [m/m], relative to the state of steady rotation."""
     span: Annotated[float, BeforeValidator(_share)] | None = None
     """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
-    Give one of span, element, gauge and point."""
+    Give one of span, element, gauge, point and position."""
     element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
     """Number of the element of the blade, from 0 at the root; the gauge is at its middle."""
     gauge: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
@@ -123,11 +126,15 @@ class StrainGauge(SensorTable):
     point: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
     """Number of a point of the surface, from 0, with direction; for a superelement whose file has
     stress_recovery, young_modulus and poisson_ratio, as those of bw.mesh3d."""
+    position: fields.Place | None = Field(default=None, examples=['["12 mm", "110 mm", "-3 mm"]'])
+    """Position of the gauge in the axes of the mesh from which bw.mesh3d made the superelement [m],
+    with direction in the same axes; the gauge is at the nearest point of the surface, which becomes
+    point."""
     direction: Annotated[tuple[float, float, float], BeforeValidator(_direction)] | None = Field(
         default=None, examples=[[1.0, 0.0, 0.0]]
     )
     """Direction of the gauge at a point: x, y and z in the axes of the file, which turn with the
-    blade; of any length."""
+    blade; of any length. With position and without point, in the axes of the mesh."""
     side: Literal["+theta", "-theta"] = "+theta"
     """Side of the blade with the gauge: "+theta" faces counter-clockwise, "-theta" clockwise."""
     blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"

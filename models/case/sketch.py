@@ -54,7 +54,7 @@ class SketchNode(Table):
     """A node."""
 
     name: Name
-    at: Position  #: x and y in sector 0 [m]
+    at: Position  #: x and y, or radius and angle, in sector 0 [m]
     shared: StrictBool = False  #: one node for all sectors
 
 

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
@@ -74,12 +73,8 @@ class SuperelementTable(Table):
     def _of_the_file(cls, given: Any) -> Any:
         """Take the kind and the number of sectors from the file unless they are given."""
         path = given.get("file") if isinstance(given, Mapping) else None
-        if not isinstance(path, str | os.PathLike) or "\0" in os.fspath(path):
-            return given
-        file = os.path.abspath(path)
-        try:
-            part = _cached(file, *stamp_of(file))
-        except SuperelementError:
+        part = part_of(path) if isinstance(path, str | os.PathLike) else None
+        if part is None:
             return given
         own: dict[str, Any] = {"copies": part.sectors} if part.sectors else {}
         if part.left_dofs is not None:
@@ -99,6 +94,18 @@ class SuperelementTable(Table):
                 yield Inconsistency("file", f"a superelement: {text}")
         else:
             yield from super().inconsistencies()
+
+
+def part_of(file: str | os.PathLike[str]) -> Superelement | None:
+    """Return the superelement in a file; None if it cannot be read."""
+    path = os.fspath(file)
+    if "\0" in path:
+        return None
+    path = os.path.abspath(path)
+    try:
+        return _cached(path, *stamp_of(path))
+    except SuperelementError:
+        return None
 
 
 def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -121,9 +128,9 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
             usual["revolutions"] = REVOLUTIONS
         own["march"] = usual | dict(march)
     if isinstance(casing, Mapping) and "clearance" not in casing:
-        beside = os.path.abspath(file)
-        with suppress(SuperelementError):  # the table of the superelement yields it
-            radius = float(_cached(beside, *stamp_of(beside)).contact_radius.max())
+        part = part_of(file)
+        if part is not None:  # else the table of the superelement yields it
+            radius = float(part.contact_radius.max())
             own["casing"] = {"clearance": CLEARANCE * radius} | dict(casing)
     return dict(tables) | own
 

@@ -10,6 +10,7 @@ from bladewhirl.models.case.blade_loss import BladeLoss
 from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import Excitation, ExcitationTable, NoExcitation
+from bladewhirl.models.case.gauge_positions import with_gauge_points
 from bladewhirl.models.case.sensors import SensorRows
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.shaft_line import Gravity, ShaftLine
@@ -59,7 +60,7 @@ class Tables(ReplacedKeys):
     @model_validator(mode="before")
     @classmethod
     def _of_superelement(cls, given: Any) -> Any:
-        return with_defaults(given) if isinstance(given, Mapping) else given
+        return with_gauge_points(with_defaults(given)) if isinstance(given, Mapping) else given
 
     def replaced(self, tables: dict[str, Any], info: SerializationInfo) -> dict[str, Any]:
         """Return the keys to write; without defaults, also those that a superelement replaces."""

@@ -4,6 +4,7 @@ For an invalid value, each type raises a pydantic error of type `EXPECTED` with 
 the expected value.
 """
 
+import math
 import os
 import re
 from collections.abc import Callable
@@ -227,7 +228,28 @@ RotationSpeed = Annotated[Speed, PlainValidator(_speed), _AS_GIVEN]
 PositiveSpeed = Annotated[Speed, PlainValidator(_positive_speed), _AS_GIVEN]
 
 _Coordinate = Annotated[float, quantity("m", "any")]
-Position = Annotated[tuple[_Coordinate, _Coordinate], _items("two coordinates in m", 2)]
+
+
+def _from_polar(value: Any) -> Any:
+    """Return x and y [m] of a radius with an angle as text; other values as they are."""
+    if not isinstance(value, list | tuple) or len(value) != 2 or not isinstance(value[1], str):
+        return value
+    try:
+        angle = to_si(value[1], "rad")
+    except ValueError:  # text in a unit of length
+        return value
+    radius = converted(quantity("m", "any"), value[0])
+    return radius * math.cos(angle), radius * math.sin(angle)
+
+
+Position = Annotated[
+    tuple[_Coordinate, _Coordinate],
+    _items('two coordinates in m, or a radius and an angle such as "15 deg"', 2),
+    BeforeValidator(_from_polar),
+]
+"""x and y, or a radius and, as text with its unit, an angle from the x axis."""
+
+Place = Annotated[tuple[_Coordinate, _Coordinate, _Coordinate], _items("three coordinates in m", 3)]
 _Velocity = Annotated[float, quantity("m/s", "any")]
 DisplacementPair = Annotated[tuple[_Coordinate, _Coordinate], _items("two displacements in m", 2)]
 VelocityPair = Annotated[tuple[_Velocity, _Velocity], _items("two velocities in m/s", 2)]

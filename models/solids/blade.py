@@ -269,6 +269,7 @@ def mesh3d(
         + (f", stiffness at speed: {stiffening}" if stiffening and len(fixed) else ""),
         **{key: dofs[nodes] for key, nodes in faces.items()},
         "sectors": copies,
+        "mesh_axis": axis,
         "whole_mass": float(mass[nodes, nodes].sum()),
         "hub_dofs": None if hub is None else select.shape[1] - HUB + np.arange(HUB),
         "hub_position": centre,

@@ -13,6 +13,7 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault, with_values
+from bladewhirl.models.case.gauge_positions import gauge_hints
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
@@ -290,6 +291,7 @@ class Matrices(Stage):
                 " of all points take too much memory; fewer reduction.free_interface_modes allow"
                 " more"
             )
+        yield from gauge_hints(self.case.sensor, self.table.part)
         ratio = self.case.damping.ratio
         if self.reduced.damping is not None and ratio > 0.0:
             yield (
@@ -342,18 +344,24 @@ class Matrices(Stage):
             "source": self.part.source,
             "coordinates": self.table.part.size,
             "copies": self.table.copies,
+            "copies_differ": self._differ,
             "modes": len(frequency) * self.copies,
             "frequency_error": basis_error(self.case, self.speed, frequency),
             "stress_points": None if self.reduced.stress is None else self.given.point_count,
             "contact_nodes": list(self._contact_nodes()),
         }
 
+    @property
+    def _differ(self) -> bool:
+        return self.case.bladed_disk.mistuning.is_given(self.table.copies)
+
     def _contact_nodes(self) -> Iterator[dict[str, Any]]:
-        """Yield place and flexibility of each contact node of a copy."""
+        """Yield place and flexibility of each contact node of a copy; of all copies if they
+        differ."""
         part, residual = self.part, np.diag(self.reduced.compliance)
         radial, _ = self.static_response()
         locking = self.locking_friction()
-        equal = self.table.copies // self.copies if np.ptp(self.factor) == 0.0 else 1
+        equal = 1 if self._differ else self.table.copies // self.copies
         for node in range(part.contacts // equal):
             yield {
                 "node": node,

@@ -32,7 +32,7 @@ from bladewhirl.models.superelements.superelement import (
 MATRICES = (*Superelement.FORMS, *Superelement.ROWS)
 SPEED, SECTORS, MASS = "speed", "sectors", "whole_mass"
 INTEGERS = ("contact_dofs", "centre_dofs", "hub_dofs", "triangles", "left_dofs", "right_dofs")
-TEXTS = ("name", "source", "command")
+TEXTS = ("name", "source", "command", "mesh_axis")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
 ROUNDING = 1e-9
 """Largest direction cosine that is a rounding error."""

@@ -115,6 +115,7 @@ class Superelement(Rotating[Matrix]):
     known."""
     name: str = "superelement"  #: name, free text
     source: str = ""  #: origin of the matrices, free text
+    mesh_axis: str = "z"  #: axis of rotation of the mesh of which it was made
     command: str = ""  #: command that made the file
     whole_mass: float | None = None  #: mass with that of clamped nodes [kg], if it is known
 
@@ -199,6 +200,8 @@ def _faults(part: Superelement) -> Iterator[str]:
             diagonal(matrix) < 0.0
         ):
             yield f"{key}: expected no negative numbers on the diagonal"
+    if part.mesh_axis not in ("x", "y", "z"):
+        yield f"mesh_axis: expected x, y or z, got {part.mesh_axis}"
     if part.speed is not None and not np.isfinite(part.speed):
         yield "speed: expected a finite number"
     if part.stiffness_speed4 is not None and part.stiffness_speed is None:

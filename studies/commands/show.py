@@ -173,6 +173,7 @@ def _tables(derived: dict[str, Any]) -> list[Table]:
             rows = sorted(listed, key=lambda mode: mode["nodal_diameter"])
             tables.append(table(rows, MODES, f"{title}, full model"))
     if nodes := derived.get("contact_nodes"):
-        title = "Contact nodes" + " of a copy" * (derived["copies"] > 1)
+        equal = derived["copies"] > 1 and not derived["copies_differ"]
+        title = "Contact nodes" + " of a copy" * equal
         tables.append(table(nodes, NODES, title))
     return tables

@@ -1,13 +1,19 @@
 """The [[sensor]] tables: written and read back, and refused by key, value and expectation."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from faults import fault
+from solid_meshes import STEEL, TIE, bladed_sector
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.gauge_positions import gauge_hints
+from bladewhirl.models.case.sensors import StrainGauge
 from bladewhirl.models.case.template import template
+from bladewhirl.models.inputs.errors import CaseError
 
 GAUGE = {"type": "strain", "span": 0.1}
 
@@ -64,8 +70,8 @@ def test_a_case_without_sensors_has_no_key_of_sensors() -> None:
         ({"type": "strian"}, 'type = "strian": expected "strain" or "tip-timing" or "wall" or'),
         ({"span": 0.1}, 'type: expected "strain" or'),
         (GAUGE | {"span": 2}, "span = 2: expected a number from 0 at the root to 1 at the tip"),
-        (GAUGE | {"element": 0}, "span = 0.1: expected one of span, element, gauge and point"),
-        ({"type": "strain"}, "span: expected one of span, element, gauge and point"),
+        (GAUGE | {"element": 0}, "span = 0.1: expected one of span, element, gauge, point"),
+        ({"type": "strain"}, "span: expected one of span, element, gauge, point"),
         (GAUGE | {"blade": 22}, 'blade = 22: expected "all" or a blade from 0 to 21'),
         (GAUGE | {"blade": -1}, 'blade = -1: expected "all" or the number of a blade, from 0'),
         (GAUGE | {"name": "a/b"}, 'name = "a/b": expected up to 60 letters'),
@@ -102,3 +108,40 @@ def test_the_name_of_many_probes_is_short() -> None:
     assert sensor.label == "tip-timing-0-to-343.775-100-probes"
     again = {"type": "tip-timing", "probes": angles, "name": sensor.label}
     assert case_from({"sensor": [again]}).sensor[0].label == sensor.label
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_gauge_at_a_position_is_at_the_nearest_point_in_the_axes_of_the_mesh(
+    tmp_path: Path, axis: str
+) -> None:
+    order = {"x": [2, 0, 1], "y": [1, 2, 0], "z": [0, 1, 2]}[axis]  # of a mesh about z
+    mesh = bladed_sector("tetra10")
+    mesh.points = mesh.points[:, order]
+    part = bw.mesh3d(mesh, **STEEL, **TIE, contacts=2, axis=axis)
+    bw.write_superelement(tmp_path / "part.npz", part)
+    assert part.points is not None
+    gauge = {
+        "type": "strain",
+        "name": "gauge at the root",
+        "position": (part.points[17] + 1e-6)[order].tolist(),
+        "direction": np.array([1.0, 2.0, 3.0])[order].tolist(),
+    }
+    table = {"superelement": {"file": str(tmp_path / "part.npz")}}
+    case = case_from({"bladed_disk": table, "casing": {"type": "rigid"}, "sensor": [gauge]})
+    [found] = case.sensor
+    assert isinstance(found, StrainGauge)
+    assert (found.point, found.direction) == (17, (1.0, 2.0, 3.0))
+    assert found.label == "gauge at the root"
+    assert case_from(case.model_dump(exclude_none=True)) == case
+    [hint] = gauge_hints(case.sensor, part)
+    assert "is at point 17 of the surface" in hint
+    assert "0.00173 mm from its position" in hint
+    gauge.pop("direction")
+    with pytest.raises(CaseError, match="both point or position and direction"):
+        case_from({"bladed_disk": table, "casing": {"type": "rigid"}, "sensor": [gauge]})
+
+
+def test_a_gauge_at_a_position_needs_a_superelement() -> None:
+    gauge = {"type": "strain", "position": [0.1, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
+    with pytest.raises(CaseError, match="superelement whose file has points"):
+        case_from({"sensor": [gauge]})

@@ -12,6 +12,7 @@ from stages import beam, bladed_disk, clamped, natural_frequencies, steel, trans
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.sketch import SketchNode
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.bladed_disk import assemble_bladed_disk
 from bladewhirl.models.geometry.sketch import Sketch
@@ -249,3 +250,9 @@ def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:
     sketch.mass("tip 1", 0.1)
     actual = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
     assert actual.structure.symmetry == "6 sectors that differ: dense path"
+
+
+def test_a_node_may_be_at_a_radius_and_an_angle() -> None:
+    node = SketchNode.model_validate({"name": "tip", "at": ["120 mm", "30 deg"]})
+    assert node.at == pytest.approx((0.12 * np.cos(np.pi / 6.0), 0.06))
+    assert SketchNode.model_validate({"name": "tip", "at": [0.1, "2 mm"]}).at == (0.1, 0.002)
