@@ -9,6 +9,7 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands import options
 from bladewhirl.studies.commands.terminal import ALL_FAILED, emit, interruptible, progress_bar
+from bladewhirl.studies.runs.columns import table as table_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -174,10 +175,14 @@ def _write_draw(case: Case, grid: Grid, draw: int, output: Path | None) -> None:
 def _report(result: Sweep, *, json: bool) -> None:
     """Print the outcome, and on standard error the failed points and the figures that could not be
     drawn."""
+    from bladewhirl.studies.modal.speeds_to_avoid import COLUMNS
+
+    title = "Speeds to avoid, of those of the sweep"
     numbers = ("points", "done", "failed", "not_needed", "screened", "marched", "wall_time")
     document: dict[str, Any] = {"directory": str(result.directory)}
     document |= {name: getattr(result, name) for name in numbers}
     document["failures"] = result.grid.failed(result.failures)
+    avoided = document["speeds_to_avoid"] = _avoided(result)
     not_needed = f", {result.not_needed} random draws skipped" if result.not_needed else ""
     screened = f" ({result.screened} screened)" if result.screened else ""
     names = ", ".join(sorted(path.name for path in result.directory.iterdir()))
@@ -186,6 +191,7 @@ def _report(result: Sweep, *, json: bool) -> None:
         f"{result.done} of {result.points} points done{screened}, {result.failed} failed"
         f"{not_needed};"
         f" {result.marched} marched in {result.wall_time:.3g} s",
+        *([table_of(avoided, COLUMNS[:-1], title)] if avoided else []),
         f"{result.directory}: {names}",
         json=json,
     )
@@ -195,6 +201,17 @@ def _report(result: Sweep, *, json: bool) -> None:
         typer.echo(f"{name} left out: {reason}", err=True)
     if result.failed > SHOWN_FAILURES:
         typer.echo(f"failed: {result.failed - SHOWN_FAILURES} more, see failures.json", err=True)
+
+
+def _avoided(result: Sweep) -> list[Any]:
+    """Return the speeds to avoid; none if no point is done."""
+    from bladewhirl.postprocess.sweep.avoid import speeds_to_avoid
+    from bladewhirl.postprocess.sweep.dataset import open_sweep
+
+    if not result.done:
+        return []
+    with open_sweep(result.directory) as dataset:
+        return speeds_to_avoid(dataset)
 
 
 def _print_plan(plan: SweepPlan) -> None:
