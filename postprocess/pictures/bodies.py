@@ -189,7 +189,11 @@ class Body:
 
     def seen(self, vectors: Array) -> Array:
         """Return vectors (..., 2 or 3) as they are seen in the picture (..., 2)."""
-        return np.asarray(vectors @ self._axes[:2, : vectors.shape[-1]].T)
+        return self.turned(vectors)[..., :2]
+
+    def turned(self, vectors: Array) -> Array:
+        """Return vectors (..., 2 or 3) in the axes of the picture (..., 3)."""
+        return np.asarray(vectors @ self._axes[:, : vectors.shape[-1]].T)
 
     def _placed(self, points: Array, turn: float) -> Array:
         """Return points (..., 3) turned by an angle [rad], in the axes of the view [m]."""

@@ -70,6 +70,8 @@ class Picture:
     """True contact force on each node (contact_node, 2) [N], as seen in the picture; zero on hidden
     nodes."""
     blade_forces: Array  #: size of the contact force on each blade (blade,) [N]
+    tip_places: Array  #: drawn contact nodes with their distance towards the viewer (node, 3) [m]
+    pushes: Array  #: contact forces also on hidden nodes, in the axes of the picture (node, 3) [N]
 
 
 class Drawing:
@@ -222,6 +224,8 @@ class Drawing:
             hidden=hidden,
             symbols=shape.symbols,
             forces=seen,
+            tip_places=shape.tips,
+            pushes=np.where(self._lost[index, :, None], 0.0, body.turned(forces)),
             blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0),
         )
 

@@ -1,4 +1,4 @@
-"""Animation of a run as one HTML file that a browser plays offline.
+"""Animation of a run as one HTML file that a browser plays offline; surfaces can be turned.
 
 The page contains points as 16-bit integers, colours as 8-bit integers, and the program that draws
 them (`web_page.html`).
@@ -22,7 +22,7 @@ from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon, arrows
 from bladewhirl.postprocess.pictures.films import Progress
-from bladewhirl.postprocess.pictures.solids import smooth_parts
+from bladewhirl.postprocess.pictures.solids import sharp_edges, smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 
@@ -48,6 +48,14 @@ def render_page(
         ViewError: the path does not end in .html.
     """
     target = checked_target(path, ".html")
+    write_atomically(target, film_page(dataset, records, progress=progress, **view))
+    return target
+
+
+def film_page(
+    dataset: xr.Dataset, records: IntArray, *, progress: Progress | None = None, **view: Any
+) -> str:
+    """Return the text of the page, see `render_page`."""
     drawing = Drawing(dataset, records, **view)
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
@@ -68,9 +76,11 @@ def render_page(
         "marks": drawing.around,
         "bar": _bar(drawing, size),
         **_members(drawing.points),
+        "bladeOf": dataset["blade"].values.tolist(),
+        "force": [float(f"{force:.4g}") for force in drawing.total_force],
     }
     colouring = drawing.colouring
-    text = filled_template(
+    return filled_template(
         "bladewhirl.postprocess.pictures",
         "web_page.html",
         title=str(dataset.attrs["title"]),
@@ -92,12 +102,12 @@ def render_page(
         faint=look.FAINT,
         force=look.FORCE_COLOUR,
         about=about,
+        turns=bool(len(drawing.triangles)),
         triangles=_packed(np.stack(_triangles(drawing)).astype("<i4")),
+        edges=_packed(_edges(drawing).astype("<u4")),
         places=_packed(places),
         shades=_packed(shades),
     )
-    write_atomically(target, text)
-    return target
 
 
 def _pack(
@@ -141,6 +151,17 @@ def _triangles(drawing: Drawing) -> tuple[IntArray, IntArray]:
         point += len(points)
         part += len(origin)
     return np.concatenate(faces), np.concatenate(parts)
+
+
+def _edges(drawing: Drawing) -> IntArray:
+    """Return the end points (edge, 2) of the sharp edges of the surface and of the solids."""
+    picture, first, found = drawing.picture(0), 0, [np.zeros((0, 2), dtype=np.int64)]
+    if len(picture.surface.points):
+        each = [drawing.triangles, *(solid.triangles for solid in drawing.solids)]
+        for body, triangles in zip((picture.surface, *picture.solids), each, strict=True):
+            found.append(first + sharp_edges(body.points, triangles))
+            first += len(body.points)
+    return np.concatenate(found)
 
 
 def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
@@ -195,6 +216,8 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
         "masses": picture.symbols.masses,
         "arrows": arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * size),
         "tips": picture.tips,
+        "nodes": picture.tip_places,
+        "pushes": length * picture.pushes,
         "shaft": picture.shaft,
         "mark": picture.mark,
     }
@@ -251,7 +274,7 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
     return {
         "ink": look.INK,
         "faint": look.FAINT,
-        "force": look.FORCE_COLOUR,
+        "force_colour": look.FORCE_COLOUR,
         "none": look.NO_VALUE,
         "massColour": look.MASS_COLOUR,
         "outline": look.OUTLINE * unit,

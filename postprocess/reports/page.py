@@ -1,22 +1,20 @@
 """Content of reports, and conversion of the content to a page, which is one HTML file.
 
-The page embeds pictures as PNG and the program that draws interactive plots. The content security
-policy of the page forbids loading of other files.
+The page embeds pictures as PNG, with the values that a script shows under the pointer. The content
+security policy of the page forbids loading of other files.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from importlib import resources
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-import plotly.graph_objects as go
 import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.files import write_atomically
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.hover import as_png, hover_data, script
@@ -69,26 +67,12 @@ class Text(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Explorer(Block):
-    """Interactive plots, side by side."""
+class Film(Block):
+    """Film of the stage, which can be turned, as a page in the page."""
 
-    kind = "explorer"
+    kind = "film"
 
-    plots: Sequence[go.Figure]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Instants(Explorer):
-    """Plots of stage, orbit and histories at the instant of a time cursor."""
-
-    kind = "instants"
-
-    times: Array  #: instants [s]
-    first: int  #: number of the instant shown first
-    words: Sequence[str]  #: text about the contact at each instant
-    places: Sequence[Array]
-    """Positions of the marker in each orbit at every instant (instant, 2), one array per frame."""
-    machine: Sequence[Mapping[str, Any]]  #: layers of the stage: `colour`, `places` (outlines)
+    text: str  #: the page, see `web_page.film_page`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,25 +108,22 @@ def report_figures(
     for kind in figures.kinds.values():
         if kind.section != section or kind.name in left_out:
             continue
-        picture, obstacle, caption, hover = "", "", f"{kind.about}.", list[dict[str, Any]]()
+        shown = ReportFigure(
+            name=kind.name, title=kind.title, caption=f"{kind.about}.", wide=kind.wide
+        )
         try:
             figure, data = figures.draw(kind.name)
-            picture, caption = _as_png(figure), kind.caption_of(_contents(data))
-            hover = hover_data(figure)
+            shown = replace(with_picture(shown, figure), caption=kind.caption_of(_contents(data)))
         except ViewError as error:
-            obstacle = str(error)
-        drawn.append(
-            ReportFigure(
-                name=kind.name,
-                title=kind.title,
-                caption=caption,
-                picture=picture,
-                hover=hover,
-                obstacle=obstacle,
-                wide=kind.wide,
-            )
-        )
+            shown = replace(shown, obstacle=str(error))
+        drawn.append(shown)
     return drawn
+
+
+def with_picture(block: ReportFigure, figure: Figure) -> ReportFigure:
+    """Return a block with the picture of a figure, and the values under the pointer."""
+    picture = _as_png(figure)
+    return replace(block, picture=picture, hover=hover_data(figure))
 
 
 def _contents(data: xr.Dataset) -> set[str]:
@@ -170,10 +151,7 @@ def write_page(page: Page, path: str | Path) -> Path:
         OSError: the file cannot be written.
     """
     target = checked_target(path, ".html")
-    draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
-    plotly = resources.files("plotly").joinpath("package_data/plotly.min.js")
-    program = plotly.read_text("utf-8") if draws else ""  # five megabytes
     package = "bladewhirl.postprocess.reports"
-    text = filled_template(package, "page.html", page=page, program=program, hover=script())
+    text = filled_template(package, "page.html", page=page, script=script())
     write_atomically(target, text)
     return target

@@ -9,12 +9,23 @@ import xarray as xr
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.fields.windows import late_part
+from bladewhirl.postprocess.pictures.choices import Field
+from bladewhirl.postprocess.pictures.render import animation_records
+from bladewhirl.postprocess.pictures.web_page import film_page
 from bladewhirl.postprocess.plotting.titles import speed_label
-from bladewhirl.postprocess.reports.instants import instants
-from bladewhirl.postprocess.reports.page import Page, PageSection, PageTable, report_figures
+from bladewhirl.postprocess.reports.page import (
+    Block,
+    Film,
+    Page,
+    PageSection,
+    PageTable,
+    ReportFigure,
+    report_figures,
+)
 from bladewhirl.postprocess.reports.parts import (
     REGIMES,
     Provenance,
@@ -33,6 +44,11 @@ from bladewhirl.postprocess.run.wear import coating_of
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
+PICTURES = 60  #: number of pictures of the film
+FILM = (
+    "Drag to turn a 3D stage, wheel to zoom; click on the curve of the force or move the slider to"
+    " see an instant. Displacements and clearance are enlarged; arrows are contact forces."
+)
 LATE = "over the last third"  #: time window of whirl and contact scenario
 CASE_CAPTION = (
     "All keys of the case with their values in SI units. Save these lines as a case file;"
@@ -71,10 +87,8 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     first = [
         PageSection(name="one-page", title="On one page", blocks=report_figures(figures, "card"))
     ]
-    if "rotor_line" in dataset:
-        plots = instants(dataset, figures.contact, figures.orbit, energies)
-        first.append(PageSection(name="instant", title="At one instant", blocks=[plots]))
     stresses = figures.known_stresses
+    first.append(_film(dataset, "deformation" if stresses is None else "stress"))
     meaning = REGIMES[regime.name].meaning
     title = regime_title(regime.name, judged=regime.growth is not None)
     reason = str(dataset.attrs.get("end_reason", "completed"))
@@ -102,6 +116,19 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         figures=_glance(dataset, stresses),
         sections=[*first, verdict, *parts, numbers, case],
     )
+
+
+def _film(dataset: xr.Dataset, colour: Field) -> PageSection:
+    """Return the section with the film around the strongest contact, or the reason why the stage
+    cannot be drawn."""
+    title, records = "Film of the stage", animation_records(dataset, frames=PICTURES)
+    try:
+        block: Block = Film(
+            name="film", title=title, caption=FILM, text=film_page(dataset, records, colour=colour)
+        )
+    except ViewError as error:
+        block = ReportFigure(name="film", title=title, obstacle=str(error))
+    return PageSection(name="stage", title="The stage in motion", blocks=[block])
 
 
 def _late(dataset: xr.Dataset) -> xr.Dataset:

@@ -17,12 +17,10 @@ from bladewhirl.postprocess.reports.parts import (
     key_heading,
     subject,
 )
-from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, points_explorer
 from bladewhirl.postprocess.shaft.orbits import MILLI
-from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, SCREENED, swept, swept_keys
+from bladewhirl.postprocess.sweep.dataset import DRAW, SCREENED, swept, swept_keys
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_label, line_label
 from bladewhirl.postprocess.sweep.figures import SweepFigures
-from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.probability import probability
 from bladewhirl.postprocess.sweep.quantities import (
     LINE,
@@ -74,11 +72,6 @@ def sweep_report(
         table = page.PageTable(name="failures", title="Failed points", head=head, rows=failures)
         blocks["points"].append(table)
     if points is not None:
-        blocks["regimes"].insert(0, points_explorer(points))
-        if POINT not in dataset.dims and "frequency-map" in SweepFigures(dataset).names:
-            explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
-            windowed = replace(explorer, caption=_windowed(dataset, explorer.caption))
-            blocks["frequencies"].insert(0, windowed)
         blocks["points"].append(_point_table(points))
     blocks["regimes"].append(criterion_table())
     titles = ("Regimes", "Frequencies", "Motion and contact", "Points")

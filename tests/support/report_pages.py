@@ -1,13 +1,11 @@
 """Pages of reports, taken apart for tests."""
 
-import base64
 import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from command_line import answer
 
@@ -18,19 +16,20 @@ LOADING = {"src", "srcset", "data", "poster", "action", "background", "formactio
 
 
 class Parsed(HTMLParser):
-    """What a page refers to, its pictures by figure, its text and its data for plots."""
+    """What a page refers to, its pictures by figure with the values under the pointer, its film and
+    its text."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
         self.references: list[str] = []
         self.pictures: dict[str, str] = {}
         self.tags: list[str] = []
-        self.plots: list[dict[str, Any]] = []
-        self.machine: dict[str, Any] = {}
+        self.values: dict[str, list[dict[str, Any]]] = {}
+        self.film = ""
         self.words = ""
         self.styles = ""
         self._open = ""
-        self._figure = ""
+        self._figure = self._values = ""
         self.feed(text)
         self.words = " ".join(self.words.split())
 
@@ -45,15 +44,16 @@ class Parsed(HTMLParser):
             self.references.append(given["href"])
         if tag == "img":
             self.pictures[self._figure] = given["src"]
+        if tag == "iframe":
+            self.film = given["srcdoc"]
+        self._values = given.get("id", "").removesuffix("-values")
 
     def handle_endtag(self, tag: str) -> None:
         self._open = ""
 
     def handle_data(self, data: str) -> None:
-        if self._open == "plot-data":
-            self.plots.append(json.loads(data, object_hook=_unpacked))
-        elif self._open == "machine":
-            self.machine = json.loads(data, object_hook=_unpacked)
+        if self._open == "script" and self._values:
+            self.values[self._values] = json.loads(data)
         elif self._open == "style":
             self.styles += data
         elif self._open != "script":
@@ -62,17 +62,9 @@ class Parsed(HTMLParser):
     def outside(self) -> list[str]:
         """What a browser would have to load from elsewhere."""
         own = r"#[\w-]+$|data:image/png;base64,"
-        loading = [tag for tag in self.tags if tag in ("link", "iframe", "object", "embed", "base")]
+        loading = [tag for tag in self.tags if tag in ("link", "object", "embed", "base")]
         imported = re.findall(r"url\(|@import", self.styles)
         return [*(text for text in self.references if not re.match(own, text)), *loading, *imported]
-
-
-def _unpacked(found: dict[str, Any]) -> Any:
-    """Arrays as Plotly reads them."""
-    if "bdata" not in found:
-        return found
-    values = np.frombuffer(base64.b64decode(found["bdata"]), dtype=found["dtype"])
-    return values.reshape([int(size) for size in found.get("shape", "-1").split(",")])
 
 
 def reported(folder: Path) -> Parsed:

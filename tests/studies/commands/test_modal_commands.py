@@ -165,7 +165,7 @@ def test_an_operating_range_is_named_only_if_it_is_given(case: Path, saved: Figu
 
 
 @pytest.mark.slow
-def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None:
+def test_the_page_has_both_diagrams_with_values(case: Path, tmp_path: Path) -> None:
     effects = ("--set", "rotation.effects=full")
     page = tmp_path / "fan.html"
     result = answer("campbell", case, *SMALL, *effects, "--html", page)
@@ -173,15 +173,12 @@ def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None
     assert {path.name for path in tmp_path.iterdir()} == {case.name, page.name}
     parsed = Parsed(page.read_text(encoding="utf-8"))
     assert not parsed.outside()
-    rotating, static = parsed.plots
-    crossing = next(trace for trace in static["data"] if trace["name"] == "critical speed")
-    assert (
-        crossing["x"].tolist() == crossing["y"].tolist()
-    )  # waves with k = 1 that stand still on the disk
-    first = next(trace for trace in rotating["data"] if "1F, k = 1" in trace["hovertemplate"])
-    hertz, rpm, *ways = first["customdata"][60]
-    assert hertz / first["y"][60] == pytest.approx(rpm / 60.0 / first["x"][60], rel=1e-3)
-    assert set(ways) <= {"backward", "forward", "standing"}
+    assert set(parsed.pictures) == {"rotating-frame", "static-frame"}
+    for name in ("rotating", "static"):
+        (panel,) = parsed.values[f"{name}-frame"]
+        assert f"{name} frame" in panel["y"]["label"]
+        names = {curve["name"] for curve in panel["curves"]}
+        assert {"bladed disk, k = 1", "suspension"} <= names
 
 
 @pytest.mark.slow

@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
@@ -16,10 +15,11 @@ from three_runs import KINDS, run_of
 
 import bladewhirl as bw
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.pictures.render import animation_records
+from bladewhirl.postprocess.pictures.web_page import film_page
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.reports.run import _glance
-from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.extremes import largest_force, stress_split
 from bladewhirl.postprocess.run.stresses import stress_history
 
@@ -92,27 +92,20 @@ def test_numbers_are_those_of_the_run(page: Parsed) -> None:
         assert expected in page.words, expected
 
 
-def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> None:
+def test_it_begins_with_card_and_film(folder: Path, page: Parsed) -> None:
+    """The film is that of `render --html` around the strongest contact."""
+    assert next(iter(page.pictures)) == "card"
+    assert page.words.index("On one page") < page.words.index("The stage in motion")
     with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as result:
-        maps, orbit = contact_maps(result), bw.shaft_orbit(result).load()
-        largest = result["time"].values[result["contact_impulse"].values.max(axis=1).argmax()]
-        total = bw.strain_energies(result)["total"].values
-    path, histories = page.plots
-    messages = histories["data"][0]["customdata"]  # blade, span, (N, N, mm)
-    np.testing.assert_allclose(messages[..., 0], maps["force"].values.T, rtol=1e-4)
-    np.testing.assert_allclose(messages[..., 1], maps["friction"].values.T, rtol=1e-4)
-    np.testing.assert_allclose(messages[..., 2], 1e3 * maps["gap"].values.T, rtol=1e-4)
-    energy = {line["name"]: line["y"] for line in histories["data"][3:]}
-    np.testing.assert_allclose(energy["total"], total, rtol=1e-6)
-    # The markers that follow the cursor, and where it begins.
-    assert len(path["data"]) == 1 + 2 + 2
-    times = page.machine["times"]
-    assert np.any(times == largest)
-    for places, frame in zip(page.machine["places"], ("static", "rotating"), strict=True):
-        expected = 1e3 * orbit[frame].sel(time=times).values
-        np.testing.assert_allclose(places, expected, rtol=1e-6, atol=1e-9)
-    for outlines in page.machine["machine"]:
-        assert len(outlines["places"]) == len(times) == len(page.machine["words"])
+        records = animation_records(result, frames=60)
+        assert page.film == film_page(result, records, colour="stress")
+
+
+def test_values_under_the_pointer_are_inside(page: Parsed) -> None:
+    assert set(page.values) == set(page.pictures)
+    (panel,) = page.values["contact-classes"]
+    assert panel["y"]["label"] == "time in contact [%]"
+    assert sum(len(curve["points"]) for curve in panel["curves"]) >= 22
 
 
 def test_a_killed_march_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
