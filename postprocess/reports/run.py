@@ -171,8 +171,8 @@ def _loads(dataset: xr.Dataset, stresses: xr.Dataset | None) -> list[tuple[str, 
     """Return the largest force, stress and wear: name, value, remark."""
     rows, force = [], largest_force(dataset)
     if force["force"]:
-        remark = f"blade {force['blade']}, mean over {handy(force['averaged_over'], 's', 3)}"
-        rows.append(("largest contact force", handy(force["force"], "N", 3), remark))
+        remark = f"mean over {handy(force['averaged_over'], 's', 3)}"
+        rows.append(("largest force on a blade", handy(force["on_blade"], "N", 3), remark))
     split = None if stresses is None else stress_split(stresses)
     if split is not None:
         remark = f"{split['member']}, about a mean of {handy(split['mean'], 'Pa', 3)}"

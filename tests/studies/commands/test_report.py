@@ -128,8 +128,8 @@ def test_reports_begin_with_force_stress_and_wear() -> None:
     for kind in KINDS:
         run = run_of(kind)
         tiles = {name: value for name, value, _ in _glance(run, stress_history(run))}
-        force = largest_force(run)["force"]
-        assert tiles["largest contact force"] == handy(force, "N", 3)
+        force = largest_force(run)["on_blade"]
+        assert tiles["largest force on a blade"] == handy(force, "N", 3)
         split = stress_split(stress_history(run))
         assert split is not None
         assert tiles["alternating stress"] == handy(split["alternating"], "Pa", 3)
