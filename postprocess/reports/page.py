@@ -76,6 +76,18 @@ class Film(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Player(Block):
+    """Maps that play over time."""
+
+    kind = "player"
+
+    rows: Sequence[Mapping[str, Any]]
+    """Maps: `label`, `top`, the value of the last shade, `shape` (time, row, column), `shades` and
+    `colours` in base64."""
+    times: Sequence[str]  #: text of each time
+
+
+@dataclass(frozen=True, kw_only=True)
 class PageSection:
     """Section of a report."""
 

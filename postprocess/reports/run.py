@@ -33,6 +33,7 @@ from bladewhirl.postprocess.reports.parts import (
     criterion_table,
     subject,
 )
+from bladewhirl.postprocess.reports.player import player
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.extremes import largest_force, stress_split
@@ -40,6 +41,7 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.measures import MARCH_REPORT
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
+from bladewhirl.postprocess.run.unrolled import unrolled
 from bladewhirl.postprocess.run.wear import coating_of
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
@@ -102,7 +104,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     parts = [
         PageSection(name=part, title=title, blocks=blocks)
         for part, title in TITLES.items()
-        if (blocks := report_figures(figures, part))
+        if (blocks := _blocks(figures, part))
     ]
     numbers = PageSection(name="numbers", title="Numbers", blocks=[_summary(dataset, stresses)])
     case = case_section(dataset, provenance, CASE_CAPTION)
@@ -116,6 +118,15 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         figures=_glance(dataset, stresses),
         sections=[*first, verdict, *parts, numbers, case],
     )
+
+
+def _blocks(figures: RunFigures, part: str) -> list[Block]:
+    """Return the figures of a section; that of contact has the casing over time as well."""
+    blocks: list[Block] = [*report_figures(figures, part)]
+    if part == "contact" and blocks:
+        place = [block.name for block in blocks].index("unrolled")
+        blocks.insert(place + 1, player(unrolled(figures.result)))
+    return blocks
 
 
 def _film(dataset: xr.Dataset, colour: Field) -> PageSection:

@@ -18,6 +18,7 @@ from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.windows import select_window, span_edges, span_starts
 from bladewhirl.postprocess.plotting.axes import cell_edges, draw_map
 from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
     COLOURS,
     FULL_WIDTH,
     INCH,
@@ -33,6 +34,9 @@ MOST_SPANS = 60  #: largest number of spans of time, each of a revolution or mor
 ROW = 0.036  #: height of a row of panels [m]
 QUANTITIES = {"gap": "smallest gap", "force": "largest force", "wear": "removed depth"}
 """Quantities by the names of their variables in `unrolled`."""
+
+MAPS = {"gap": "gap", "force": "contact", "wear": "wall"}
+"""Names of the colour maps of these quantities."""
 
 
 def unrolled(result: xr.Dataset) -> xr.Dataset:
@@ -163,8 +167,9 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
     if len(axial) > 1 < values.shape[1]:
         up = larger * cell_edges(axial, logarithmic=False)
         across = cell_edges(seen["blade"].values, logarithmic=False) if edges is None else edges
-        look = {"vmin": 0.0, "vmax": scale * max(both) or 1.0}
-        draw_map(axes, across, up, scale * values, label=label, **look)
+        look = {"vmin": 0.0, "vmax": scale * max(both) or 1.0, "cmap": COLOUR_MAPS[MAPS[kind]]}
+        shown = np.ma.masked_where(values == 0.0, scale * values)  # zero is white
+        draw_map(axes, across, up, shown, label=label, **look)
     elif len(axial) > 1:
         axes.plot(scale * values[:, 0], larger * axial, ".-", color=COLOURS["total"])
         axes.set(xlabel=label, xlim=(0, 1.05 * scale * max(both) or 1.0))
