@@ -229,6 +229,11 @@ class ShaftLine(Table):
         return (*(each.position for each in rows), *self._single.values())
 
     @property
+    def wheels(self) -> tuple[Wheel, ...]:
+        """Wheels of solids."""
+        return () if self.wheel is None else (self.wheel,)
+
+    @property
     def supports(self) -> int:
         """Number of supports."""
         return sum(each.support is not None for each in self.bearings)

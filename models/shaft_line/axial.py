@@ -7,12 +7,14 @@ show the same frequencies.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.shaft_line.line import LineModel
+from bladewhirl.models.shaft_line.whirl import LineModes
 
 STRETCH = np.array([[1.0, -1.0], [-1.0, 1.0]])
 
@@ -23,6 +25,16 @@ class AxialModes:
 
     eigenvalue: ComplexArray  #: decay rate (negative) plus i times frequency [rad/s], (modes,)
     direction: tuple[str, ...]  #: "axial" or "torsional", whichever has more kinetic energy
+
+
+@dataclass(frozen=True, kw_only=True)
+class SortedModes:
+    """Modes that whirl and modes along and about the axis, by rising frequency."""
+
+    eigenvalue: ComplexArray  #: decay rate (negative) plus i times frequency [rad/s], (modes,)
+    direction: Any  #: direction of each mode, (modes,), of objects
+    row: IntArray
+    """Numbers of the modes among those that whirl, and after these among the others, (modes,)."""
 
 
 def axial_modes(line: LineModel, omega: float) -> AxialModes:
@@ -45,6 +57,15 @@ def axial_modes(line: LineModel, omega: float) -> AxialModes:
     )
     names = np.where(along > about, "axial", "torsional")
     return AxialModes(eigenvalue=values[rows], direction=tuple(names.tolist()))
+
+
+def with_axial(line: LineModel, modes: LineModes, count: int | None) -> "SortedModes":
+    """Return the lowest ones of modes that whirl and of modes along and about the axis."""
+    axial = axial_modes(line, modes.speed)
+    values = np.concatenate([modes.eigenvalue, axial.eigenvalue])
+    order = np.argsort(values.imag, kind="stable")[:count]
+    names = np.array([*modes.direction, *axial.direction], dtype=object)
+    return SortedModes(eigenvalue=values[order], direction=names[order], row=order)
 
 
 def _matrices(

@@ -21,7 +21,12 @@ class WheelOnLine:
     node: int  #: number of the node
     whirling: HubWave  #: wave of nodal diameter 1
     unknowns: IntArray  #: unknowns of the line that are its coordinates, (m,)
-    axial: HubWave | None  #: wave of nodal diameter 0; None if the hub follows the shaft in x and y
+    axial: HubWave | None
+    """Wave of nodal diameter 0; None if the hub does not move along and about the axis."""
+    mass: float  #: mass [kg]
+    offset: float  #: position of the centre of mass along z, relative to the hub [m]
+    polar_inertia: float  #: moment of inertia about the axis [kg m2]
+    diametral_inertia: float  #: that about a diameter through the centre of mass [kg m2]
 
 
 def wheel_on_line(case: Case, highest: float, node: int, following: int) -> WheelOnLine:
@@ -48,7 +53,12 @@ def wheel_on_line(case: Case, highest: float, node: int, following: int) -> Whee
     free = 1 if unknowns == "two" else 2
     kept = np.delete(np.arange(whirling.size), slice(free, 2))
     amplitudes = following + np.arange(whirling.size - 2)
+    (mass, arm), (_, tilting) = whirling.mass[:2, :2].real.tolist()
     return WheelOnLine(
+        mass=mass,
+        offset=arm / mass,
+        polar_inertia=float(waves[0].mass[1, 1].real),
+        diametral_inertia=tilting - arm**2 / mass,
         node=node,
         whirling=whirling.on(np.eye(whirling.size)[:, kept]),
         unknowns=np.concatenate([2 * node + np.arange(free), amplitudes]),

@@ -16,8 +16,10 @@ WHIRL: Mapping[str, str] = {
     "forward": COLOURS["k = 1"],
     "backward": COLOURS["k = 0"],
     "planar": COLOURS["total"],
+    "axial": COLOURS["casing"],
+    "torsional": COLOURS["suspension"],
 }
-"""Colours of the directions of whirl."""
+"""Colours of the directions of modes."""
 
 ORBITS = 9  #: largest number of orbits drawn along a shaft
 LEAN = 0.35  #: horizontal extent of an orbit, as a fraction of the distance of two orbits

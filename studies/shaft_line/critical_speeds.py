@@ -7,6 +7,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.shaft_line import whirl as whirl_of
+from bladewhirl.models.shaft_line.axial import with_axial
 from bladewhirl.models.shaft_line.line import line_model
 from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
@@ -38,6 +39,9 @@ def line_critical_speeds(case: Case, *, count: int = 4) -> xr.Dataset:
         CaseError: the bearings do not hold the line.
     """
     line = line_model(case)
+    if line.wheel is not None:
+        highest = whirl_of.line_modes(line, 0.0, count).eigenvalue.imag.max()
+        line = line_model(case, float(highest))
     found = whirl_of.line_critical_speeds(line, count)
     return xr.Dataset(
         {
@@ -54,10 +58,10 @@ def line_critical_speeds(case: Case, *, count: int = 4) -> xr.Dataset:
 
 
 def line_campbell(case: Case, *, speeds: FloatArray, count: int = 8) -> xr.Dataset:
-    """Compute the frequencies of the shaft line of a case at many speeds.
+    """Compute the frequencies of the shaft line of a case at many speeds, in static axes.
 
-    Over (speed, mode): frequency [Hz], decay [1/s] and whirl, forward, backward or planar, of the
-    lowest modes; nan if fewer modes whirl.
+    Over (speed, mode): frequency [Hz], decay [1/s] and whirl, forward, backward, planar, axial or
+    torsional, of the lowest modes; nan if there are fewer.
 
     Args:
         case: a case with [shaft_line].
@@ -67,11 +71,11 @@ def line_campbell(case: Case, *, speeds: FloatArray, count: int = 8) -> xr.Datas
     Raises:
         CaseError: the bearings do not hold the line.
     """
-    line = line_model(case)
+    line = line_model(case, float(np.abs(speeds).max(initial=0.0)))
     rates = np.full((len(speeds), count), np.nan, dtype=np.complex128)
     whirl = np.full((len(speeds), count), "", dtype=object)
     for row, omega in enumerate(speeds):
-        modes = whirl_of.line_modes(line, float(omega), count)
+        modes = with_axial(line, whirl_of.line_modes(line, float(omega), count), count)
         rates[row, : len(modes.eigenvalue)] = modes.eigenvalue
         whirl[row, : len(modes.eigenvalue)] = modes.direction
     over = ("speed", "mode")

@@ -8,6 +8,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.shaft_line import whirl
+from bladewhirl.models.shaft_line.axial import with_axial
 from bladewhirl.models.shaft_line.line import LineModel, line_model
 from bladewhirl.models.shaft_line.whirl import LineModes
 from bladewhirl.studies.modal.study import Figures, Study
@@ -26,22 +27,28 @@ GROWS = 1e-9  #: growth rate divided by the frequency above which a mode grows
 
 
 def line_modes(case: Case, *, count: int = 12) -> xr.Dataset:
-    """Compute the whirling modes of the shaft line of a case at the speed of the case.
+    """Compute the modes of the shaft line of a case at the speed of the case.
 
     Over `mode`: frequency [Hz], decay, the real part of the eigenvalue, negative if the mode decays
-    [1/s], damping_ratio and direction: forward, backward, or planar. Over (mode, instant, axis,
+    [1/s], damping_ratio and direction: forward, backward, or planar; axial or torsional with a
+    wheel of six unknowns. Frequencies are those in static axes. Over (mode, instant, axis,
     position): displacement of the axis of the shaft in static axes x and y at the instant of the
     largest displacement and a quarter of a period later, without the decay; the largest one of a
-    mode is 1. `mesh_error` is the relative change of the frequency with twice as many elements.
+    mode is 1; nan for axial and torsional ones. `mesh_error` is the relative change of the
+    frequency with twice as many elements of the shaft.
 
     Raises:
-        CaseError: the bearings do not hold the line.
+        CaseError: the bearings do not hold the line, or the wheel has no hub.
     """
-    line = line_model(case)
-    modes = whirl.line_modes(line, line.speed, count)
-    halved = whirl.line_modes(line_model(_halved(case)), line.speed, count).eigenvalue.imag
+    line, finer = line_model(case), line_model(_halved(case))
+    lateral = whirl.line_modes(line, line.speed, count)
+    modes = with_axial(line, lateral, count)
     frequency = modes.eigenvalue.imag
+    halved = with_axial(finer, whirl.line_modes(finer, line.speed, count), count).eigenvalue.imag
     halved = halved[: len(frequency)]
+    moved = np.full((len(frequency), 2, 2, len(line.position)), np.nan)
+    whirls = modes.row < len(lateral.eigenvalue)
+    moved[whirls] = _displacement(line, lateral.take(modes.row[whirls]))
     number = np.arange(1, len(frequency) + 1)
     coarse = "relative change of the frequency with twice as many elements"
     return xr.Dataset(
@@ -51,14 +58,12 @@ def line_modes(case: Case, *, count: int = 12) -> xr.Dataset:
             "damping_ratio": quantity(
                 "mode", -modes.eigenvalue.real / np.abs(modes.eigenvalue), "1", "damping ratio"
             ),
-            "displacement": quantity(
-                ("mode", "instant", "axis", "position"), _displacement(line, modes), "1"
-            ),
+            "displacement": quantity(("mode", "instant", "axis", "position"), moved, "1"),
             "mesh_error": quantity("mode", np.abs(halved / frequency - 1.0), "1", coarse),
         },
         coords={
             "mode": number,
-            "direction": ("mode", np.array(modes.direction, dtype=object)),
+            "direction": ("mode", modes.direction),
             "instant": [0.0, 0.25],
             "axis": ["x", "y"],
             "position": quantity("position", line.position, "m", "position along the shaft"),
@@ -92,12 +97,15 @@ def _displacement(line: LineModel, modes: LineModes) -> FloatArray:
 
 
 def places(line: LineModel) -> dict[str, Any]:
-    """Return names and positions of bearings, and positions of disks, as attributes."""
+    """Return names and positions of bearings, and positions of disks and wheels, as attributes."""
     table = line.table
     return {
         "bearings": list(table.named()),
         "bearing_position": [each.position for each in table.bearings],
-        "disk_position": [each.position for each in table.disks],
+        "disk_position": [
+            *(one.position for one in table.disks),
+            *(one.position for one in table.wheels),
+        ],
     }
 
 
@@ -110,7 +118,7 @@ def report(computed: xr.Dataset) -> Study:
     def figures() -> Figures:
         from bladewhirl.postprocess.shaft_line.shapes import plot_line_modes
 
-        drawn = computed.isel(mode=slice(DRAWN))
+        drawn = computed.dropna("mode", subset=["displacement"]).isel(mode=slice(DRAWN))
         return {"line-modes": (plot_line_modes(drawn), drawn)}
 
     return Study(

@@ -37,7 +37,7 @@ def line_response(case: Case, *, speeds: FloatArray) -> xr.Dataset:
         CaseError: there is no unbalance, or the bearings do not hold the line.
         UserError: a speed is a critical speed of a line without damping.
     """
-    line = line_model(case)
+    line = line_model(case, float(np.abs(speeds).max(initial=0.0)))
     if not line.table.unbalance:
         expected = "at least one row, which drives the response"
         raise CaseError([Fault(key="shaft_line.unbalance", expected=expected)])

@@ -214,22 +214,22 @@ def deck(folder: Path, mesh: meshio.Mesh, element: str) -> Path:
 
 
 def fan_sector(sectors: int, cell_type: str = "hexahedron20") -> meshio.Mesh:
-    """Return a sector of a small fan: a hub ring of radii 40 to 80 mm, whose right half is thicker,
-    and a straight blade up to 200 mm that leans out of the plane of the ring."""
+    """Return a sector of a small fan: a hub ring of radii 40 to 80 mm, off the plane z = 0, and a
+    straight blade up to 160 mm that leans out of the plane of the ring."""
 
     def shape(place: Array) -> Array:
-        r = 0.04 + 0.16 * place[:, 0]
+        r = 0.04 + 0.12 * place[:, 0]
         theta = 2.0 * np.pi / sectors * (place[:, 1] - 0.5) * np.minimum(1.0, 0.08 / r)
         z = 0.03 * (place[:, 2] - 0.3) + np.maximum(r - 0.08, 0.0) * 2.0 * (place[:, 1] - 0.4)
         return np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
 
     return grid_mesh(
-        *((4, 4, 1), shape, cell_type),
-        lambda centre: centre[0] < 0.25 or 0.25 < centre[1] < 0.75,
+        *((3, 3, 1), shape, cell_type),
+        lambda centre: centre[0] < 1 / 3 or 1 / 3 < centre[1] < 2 / 3,
         root=lambda place: place[:, 0] == 0.0,
-        tip=lambda place: (place[:, 0] == 1.0) & (place[:, 1] == 0.5),
-        left=lambda place: (place[:, 1] == 0.0) & (place[:, 0] <= 0.25 + 1e-9),
-        right=lambda place: (place[:, 1] == 1.0) & (place[:, 0] <= 0.25 + 1e-9),
+        tip=lambda place: (place[:, 0] == 1.0) & (abs(place[:, 1] - 0.5) < 0.01),
+        left=lambda place: (place[:, 1] == 0.0) & (place[:, 0] <= 1 / 3 + 1e-9),
+        right=lambda place: (place[:, 1] == 1.0) & (place[:, 0] <= 1 / 3 + 1e-9),
     )
 
 

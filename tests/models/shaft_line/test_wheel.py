@@ -69,7 +69,7 @@ def test_a_fan_whirls_as_in_the_whole_rotor(kind: str, omega: float, tmp_path: P
     """Nodal diameters 0 and 1 with blades, damped bearings and an axial spring."""
     line = line_model(case_of(tmp_path, fan(kind), omega))
     modes, axial = line_modes(line, omega), axial_modes(line, omega)
-    mine = [*zip(modes.direction, modes.eigenvalue, strict=True)]
+    mine: list[tuple[str, Any]] = [*zip(modes.direction, modes.eigenvalue, strict=True)]
     mine += [("axial", value) for value in axial.eigenvalue]
     whole_rotor = eigenvalues(SHAFT, fan("wheel"), omega, 1500j, 16)
     assert len(whole_rotor) >= 8
@@ -80,7 +80,19 @@ def test_a_fan_whirls_as_in_the_whole_rotor(kind: str, omega: float, tmp_path: P
         assert abs(own - value).min() < 1e-9 * abs(value), (whirl, value)
 
 
-def test_rotor_of_a_stiff_thin_wheel_is_that_of_a_rigid_disk(tmp_path: Path) -> None:
+UNEQUAL = [
+    {"position": 0.0, "stiffness": [[2e7, 3e6], [-1e6, 1e7]], "damping": [[2e3, 0.0], [0.0, 5e2]]},
+    {
+        "position": 0.4,
+        "stiffness": 1e7,
+        "damping": 1e3,
+        "support": {"mass": 5.0, "stiffness": [[4e7, 0.0], [0.0, 2e7]]},
+    },
+]
+
+
+@pytest.mark.parametrize("bearings", [LINE["bearings"], UNEQUAL], ids=["round", "unequal"])
+def test_rotor_of_a_stiff_thin_wheel_is_that_of_a_rigid_disk(bearings: Any, tmp_path: Path) -> None:
     def disk(place: Any) -> Any:
         r, theta = 0.03 + 0.17 * place[:, 0], 2.0 * np.pi / SECTORS * place[:, 1]
         return np.stack([r * np.cos(theta), r * np.sin(theta), 0.004 * place[:, 2]], axis=1)
@@ -103,8 +115,9 @@ def test_rotor_of_a_stiff_thin_wheel_is_that_of_a_rigid_disk(tmp_path: Path) -> 
         "diametral_inertia": tilting,
     }
     for omega in (0.0, 400.0, 2000.0):
-        solid = line_modes(line_model(case_of(tmp_path, part, omega)), omega, 6)
+        solid = line_modes(line_model(case_of(tmp_path, part, omega, bearings=bearings)), omega, 6)
         tables = {key: value for key, value in LINE.items() if key not in ("wheel", "axial")}
+        tables |= {"bearings": bearings}
         own = {"shaft_line": tables | {"disks": [rigid]}, "material": {"young_modulus": E}}
         plain = line_modes(line_model(case_from(own)), omega, 6)
         assert solid.direction[2:] == plain.direction[2:]

@@ -2,12 +2,17 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from command_line import answer, refusal
+from solid_meshes import STEEL, fan_sector
 
 import bladewhirl as bw
+from bladewhirl.models.shaft_line import hub_waves
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.superelements.file import write_superelement
 
 CASE = """
 [shaft_line]
@@ -92,3 +97,81 @@ def test_show_lists_masses_and_static_loads(case: Path) -> None:
 def test_what_a_line_does_not_have_is_refused(words: list[str], said: str, case: Path) -> None:
     name, *options = words
     assert said in refusal(name, case, *options)
+
+
+FAN = """
+title = "Overhung fan"
+
+[bladed_disk.superelement]
+file = "fan.npz"
+
+[shaft_line]
+segments = [{ length = "600 mm", outer_diameter = "50 mm", elements = 6 }]
+wheel = { position = "600 mm" }
+bearings = [
+    { position = 0.0, stiffness = "20 MN/m", damping = "2 kN s/m" },
+    { position = "400 mm", stiffness = "20 MN/m", damping = "2 kN s/m" },
+]
+unbalance = [{ position = "600 mm", unbalance = "100 g mm" }]
+
+[gravity]
+
+[march]
+speed = "6000 rpm"
+"""
+
+
+@pytest.fixture
+def fan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(hub_waves, "KEPT", 3)
+    tie: dict[str, Any] = {"left": "left", "right": "right", "copies": 5}
+    part = mesh3d(fan_sector(5), **STEEL, **tie, hub="root", stress=False)
+    write_superelement(tmp_path / "fan.npz", part)
+    file = tmp_path / "fan.toml"
+    file.write_text(FAN)
+    return file
+
+
+def document(*words: Any) -> Any:
+    return json.loads(answer(*words, "--json").stdout)
+
+
+def test_modes_of_a_fan_on_its_shaft_are_listed_and_drawn(fan: Path, tmp_path: Path) -> None:
+    answer("modes", fan, "--count", 8, "-o", tmp_path / "modes")
+    rows = document("modes", fan, "--count", 8)["shaft_line"]
+    whirls = [row["direction"] for row in rows]
+    assert whirls[:2] == ["backward", "forward"]
+    assert "torsional" in whirls
+    derived = document("show", fan)["derived"]
+    assert derived["mass"] == pytest.approx(derived["shaft_mass"] + derived["wheel"]["mass"])
+    loads = sum(row["force_y"] for row in derived["bearings"])
+    assert loads == pytest.approx(9.81 * derived["mass"], rel=1e-4)  # blades are displaced
+
+
+def test_the_response_of_a_fan_peaks_at_its_forward_critical_speed(
+    fan: Path, tmp_path: Path
+) -> None:
+    critical = document("critical-speeds", fan, "--branches", 1)["shaft_line"]
+    speeds = ["--speeds", "0 rpm:9000 rpm"]
+    answer("campbell", fan, *speeds, "--families", 2, "-o", tmp_path / "campbell")
+    diagram = document("campbell", fan, *speeds, "--families", 2)
+    assert diagram["shaft_line"][0]["rpm"] == pytest.approx(critical[0]["rpm"], rel=1e-8)
+    forward = next(row["rpm"] for row in critical if row["direction"] == "forward")
+    response = document("response", fan, "--speeds", f"{forward - 400}rpm:{forward + 400}rpm:20rpm")
+    [peak] = [row for row in response["peaks"] if row["position"] == 0.6]
+    assert peak["rpm"] == pytest.approx(forward, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["modes", "--set", "shaft_line.wheel.position=1"], "shaft_line.wheel.position = 1: exp"),
+        (["modes", "--set", "casing.clearance=0.002"], "clearance = 0.002 }: not allowed"),
+        (["run"], "shaft_line: not allowed here"),
+    ],
+)
+def test_what_a_fan_on_a_line_does_not_have_is_refused(
+    words: list[str], said: str, fan: Path
+) -> None:
+    name, *options = words
+    assert said in refusal(name, fan, *options)
