@@ -145,8 +145,8 @@ class AxialSpring(Table):
 
 class ShaftLine(Table):
     """A flexible shaft along z with rigid disks, bearings, supports and unbalances, in place of
-    [bladed_disk] and [shaft]. It has modes, critical speeds, a Campbell diagram, the response to
-    unbalances and sag; without a bladed wheel it has no rub."""
+    [shaft], with the wheel of [bladed_disk] or without. It has modes, critical speeds, a Campbell
+    diagram, the response to unbalances and sag; it has no march yet."""
 
     segments: Annotated[
         tuple[Segment, ...],

@@ -1,12 +1,28 @@
-"""Shaft lines compared with published rotors, and with the rotor of another program."""
+"""Shaft lines compared with published rotors and with the rotor of another program, and wheels of
+solids with rigid bodies."""
 
+from functools import cache
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from bladewhirl.models.case.case import case_from
+from bladewhirl.models.shaft_line.hub_waves import hub_waves
 from bladewhirl.models.shaft_line.line import LineModel, line_model
 from bladewhirl.models.shaft_line.whirl import line_modes, unbalance_response
+from bladewhirl.models.superelements.cyclic import transformation
+from bladewhirl.models.superelements.file import write_superelement
+from bladewhirl.models.superelements.hub import (
+    NEEDED,
+    WAVES,
+    hub_freed,
+    hub_of,
+    inner_dofs,
+    of_all_sectors,
+    rigid_motions,
+)
+from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 RPM = np.pi / 30.0
@@ -137,3 +153,105 @@ def stepped_rotor() -> Pair:
         expected.append(theirs / size)
         computed.append(np.stack([ours.real, ours.imag], axis=1) / size)
     return np.array(expected), np.array(computed)
+
+
+SECTORS = 8
+
+
+@cache
+def ring(young_modulus: float, thickness: float) -> Superelement:
+    """Return a sector of a ring of solids of 60 to 400 mm in diameter."""
+    import meshio
+    import skfem
+    from skfem.io.meshio import to_meshio
+
+    from bladewhirl.models.solids.blade import mesh3d
+
+    axes = np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 3), np.linspace(0.0, 1.0, 2)
+    mesh: meshio.Mesh = to_meshio(skfem.MeshHex2.from_mesh(skfem.MeshHex.init_tensor(*axes)))
+    along, around, across = mesh.points.T
+    radius, angle = 0.03 + 0.17 * along, 2.0 * np.pi / SECTORS * around
+    mesh.points = np.column_stack(
+        [radius * np.cos(angle), radius * np.sin(angle), thickness * across]
+    )
+    groups = {
+        "bore": along < 1e-9,
+        "rim": (along > 1.0 - 1e-9) & (abs(around - 0.5) < 1e-9),
+        "left": around < 1e-9,
+        "right": around > 1.0 - 1e-9,
+    }
+    mesh.point_sets = {name: np.flatnonzero(inside) for name, inside in groups.items()}
+    tie: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
+    return mesh3d(
+        mesh,
+        young_modulus=young_modulus,
+        poisson_ratio=0.3,
+        density=7800.0,
+        hub="bore",
+        contact="rim",
+        stiffening="stress",
+        stress=False,
+        **tie,
+    )
+
+
+@verifies()
+def patch_tests() -> Pairs:
+    """Compare the matrices of a wheel with those of a rigid body, and sum up the forces on it while
+    it turns about an axis that is tilted and displaced in static axes."""
+    part = ring(2.1e11, 0.04)
+    motions = rigid_motions(part)
+    forms = {
+        name: of_all_sectors(motions.T @ (matrix @ motions), SECTORS)
+        for name, matrix in part.given(("mass", *NEEDED)).items()
+    }
+    mass = forms["mass"]
+    total, polar, tilting = mass[0, 0], mass[5, 5], mass[3, 3]
+    plane = np.array([[0.0, -1.0], [1.0, 0.0]])
+    coriolis = np.zeros((6, 6))
+    coriolis[:2, :2], coriolis[3:5, 3:5] = 2.0 * total * plane, (2.0 * tilting - polar) * plane
+    still = np.diag([-total, -total, 0.0, polar - tilting, polar - tilting, 0.0])
+    expected = np.array([coriolis, still]) / total
+    field = motions @ WAVES[1].conj()
+    turning = part.known("stiffness_speed") @ field
+    forces = turning - 1j * part.known("gyroscopic") @ field - part.mass @ field
+    tie = transformation(hub_freed(part), SECTORS, SECTORS - 1)
+    inner = inner_dofs(part)
+    balance = [tie.conj().T @ one[inner] for one in (forces, turning)]
+    hub = WAVES[1].T @ forces[hub_of(part)] / total
+    error = np.array([abs(balance[0]).max() / abs(balance[1]).max(), abs(hub).max()])
+    return {
+        "rigid_wheel": (expected, np.array([forms[name] for name in NEEDED]) / total),
+        "free_wheel": (np.zeros(2), error),
+    }
+
+
+@verifies()
+def solid_wheel() -> Pair:
+    """Compare six frequencies at 0, 4,000 and 20,000 rpm [rad/s]."""
+    part = ring(2.1e17, 0.004)
+    waves = hub_waves(part, 0.0)
+    disk = {
+        "position": 0.6,
+        "mass": waves[1].mass[0, 0].real,
+        "polar_inertia": waves[0].mass[1, 1].real,
+        "diametral_inertia": waves[1].mass[1, 1].real,
+    }
+    tables: dict[str, Any] = {
+        "segments": [{"length": 0.6, "outer_diameter": 0.04, "elements": 6}],
+        "bearings": [{"position": z, "stiffness": 2e7} for z in (0.0, 0.4)],
+    }
+    material = {"young_modulus": 2.1e11, "density": 7800.0}
+    with TemporaryDirectory() as folder:
+        file = f"{folder}/wheel.npz"
+        write_superelement(file, part)
+        case = {"bladed_disk": {"superelement": {"file": file}}, "material": material}
+        line = tables | {"wheel": {"position": 0.6}}
+        solid = line_model(case_from(case | {"shaft_line": line}), 20000.0 * RPM)
+    rigid = line_of(material, **tables, disks=[disk])
+    speeds = np.array([0.0, 4000.0, 20000.0]) * RPM
+    known, ours = (
+        np.array([line_modes(one, omega, 6).eigenvalue.imag for omega in speeds])
+        for one in (rigid, solid)
+    )
+    return known, ours
