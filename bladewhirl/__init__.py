@@ -26,8 +26,9 @@ Analyse modes, before a march
     `modes` returns frequencies by family and nodal diameter, `contact_modes` what modes do in
     contact, `campbell` coincidence speeds, `veering` frequencies and `critical_speeds` critical
     speeds against the stiffness of the shaft, `stability` growth rates, `response` amplitudes under
-    engine-order forces, `amplification` that by mistuning, as Datasets. Of a shaft line without
-    blades: `line_modes`, `line_critical_speeds`, `line_campbell` and `line_response` to unbalances.
+    engine-order forces, `amplification` that by mistuning, as Datasets. Of a shaft line:
+    `line_modes`, `line_critical_speeds`, `line_campbell`, `line_response` to unbalances and
+    `line_order_response` to forces on the blades of its wheel.
 Compute periodic rubs
     `periodic` returns periodic motions of a 3D blade in a wall, and their stability, without time
     integration; `branch` follows one over a key of the case through folds, `resume_branch`

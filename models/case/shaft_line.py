@@ -132,6 +132,9 @@ class Wheel(Table):
     unknowns: Literal["two", "four", "six"] = "six"
     """Displacements of the hub that follow the shaft: "two", x and y; "four", also the tilt; "six",
     also z and the rotation about z."""
+    damping_ratio: fields.NumberOrZero = 0.0
+    """Damping ratio of the modes that the wheel has with a fixed hub at rest. As a damping that
+    turns with the wheel it destabilises forward whirl above its critical speed."""
 
 
 class AxialSpring(Table):
@@ -175,7 +178,7 @@ class ShaftLine(Table):
     mass = "20 kg", stiffness = "50 MN/m" } is a mass between bearing and ground."""
     wheel: Wheel | None = Field(default=None, examples=['{ position = "1.5 m" }'])
     """Wheel of [bladed_disk.superelement], whose file has hub_dofs: { position = "1.5 m", unknowns
-    = "six" }."""
+    = "six", damping_ratio = 0 }."""
     axial: AxialSpring | None = Field(
         default=None, examples=['{ position = 0, stiffness = "10 MN/m" }']
     )
@@ -249,7 +252,8 @@ only the superelement."""
 
 
 def beside_line(case: Table) -> list[str]:
-    """Return the tables and keys that have no effect in a case with a shaft line."""
+    """Return the tables and keys that have no effect in a case with a shaft line; excitations of
+    engine order have one with a wheel."""
     given = {
         name: value
         for name, field in type(case).model_fields.items()
@@ -260,6 +264,9 @@ def beside_line(case: Table) -> list[str]:
     used = {"march": ["speed"]}
     if given["shaft_line"].wheel is not None:
         used["bladed_disk"] = ["superelement"]
+        loads = given.get("excitation", ())
+        if all(one.acts_on == "blades" for one in (loads if isinstance(loads, tuple) else [loads])):
+            given.pop("excitation", None)
     parts = {name: given[name].model_dump(exclude_defaults=True) for name in used if name in given}
     return [
         *(name for name in given if name not in (*USED, *used)),

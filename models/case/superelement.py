@@ -138,7 +138,7 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
 def own_defaults(tables: Mapping[str, Any]) -> Mapping[str, set[str]]:
     """Return the keys of a case whose defaults `with_defaults` replaces, by the name of the table;
     none without a superelement."""
-    if value_at(tables, path_of(SOURCE)) is None:
+    if value_at(tables, path_of(SOURCE)) is None or tables.get("shaft_line") is not None:
         return {}
     return {"march": {"speed", "time_step", "duration"}, "casing": {"clearance"}}
 

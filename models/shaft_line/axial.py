@@ -7,7 +7,7 @@ show the same frequencies.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -42,7 +42,7 @@ def axial_modes(line: LineModel, omega: float) -> AxialModes:
     lines."""
     if line.wheel is None or line.wheel.axial is None:
         return AxialModes(eigenvalue=np.zeros(0, np.complex128), direction=())
-    mass, drag, stiffness, nodes = _matrices(line, omega)
+    mass, drag, stiffness, along, about, _ = axial_matrices(line, omega)
     one = np.eye(len(mass))
     first = np.block(
         [[0.0 * one, one], [-la.solve(mass, stiffness), -la.solve(mass, drag)]],
@@ -51,11 +51,11 @@ def axial_modes(line: LineModel, omega: float) -> AxialModes:
     rows = np.flatnonzero(values.imag > 0.0)
     rows = rows[np.argsort(values[rows].imag, kind="stable")]
     shapes = vectors[: len(mass), rows]
-    along, about = (
+    moved, turned = (
         np.einsum("nm,nk,km->m", shapes[own].conj(), mass[np.ix_(own, own)], shapes[own]).real
-        for own in nodes
+        for own in (along, about)
     )
-    names = np.where(along > about, "axial", "torsional")
+    names = np.where(moved > turned, "axial", "torsional")
     return AxialModes(eigenvalue=values[rows], direction=tuple(names.tolist()))
 
 
@@ -68,11 +68,19 @@ def with_axial(line: LineModel, modes: LineModes, count: int | None) -> "SortedM
     return SortedModes(eigenvalue=values[order], direction=names[order], row=order)
 
 
-def _matrices(
-    line: LineModel, omega: float
-) -> tuple[FloatArray, FloatArray, FloatArray, tuple[IntArray, IntArray]]:
-    """Return mass, damping and stiffness of the displacements and the rotations that are not held
-    and of the amplitudes of the wheel, and the numbers of the former two."""
+class AxialMatrices(NamedTuple):
+    """Matrices along and about the axis without what is held, (m, m) each."""
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    along: IntArray  #: numbers of the displacements
+    about: IntArray  #: numbers of the rotations
+    wheel: FloatArray  #: coordinates of the wheel as rows on the unknowns
+
+
+def axial_matrices(line: LineModel, omega: float) -> AxialMatrices:
+    """Return the matrices of a line with a wheel of six unknowns at a speed [rad/s]."""
     assert line.wheel is not None
     assert line.wheel.axial is not None
     shaft, table, wave = line.shaft, line.table, line.wheel.axial
@@ -112,9 +120,12 @@ def _matrices(
         spring = line.node(table.axial.position)
         stiffness[spring, spring] += table.axial.stiffness
     free = np.delete(np.arange(size), held)
-    along, about = (
-        np.flatnonzero(free < count),
-        np.flatnonzero((free >= count) & (free < 2 * count)),
-    )
     chosen = np.ix_(free, free)
-    return mass[chosen], drag[chosen], stiffness[chosen], (along, about)
+    return AxialMatrices(
+        mass=mass[chosen],
+        damping=drag[chosen],
+        stiffness=stiffness[chosen],
+        along=np.flatnonzero(free < count),
+        about=np.flatnonzero((free >= count) & (free < 2 * count)),
+        wheel=np.eye(size)[own][:, free],
+    )

@@ -7,9 +7,9 @@ In rotating axes the real motion of the wheel is the real part of `fields` times
 amplitudes for nodal diameter 1, which turns with the hub as the complex number zeta does.
 
 The basis has the rigid motions with the hub; the lowest modes with a fixed hub; and the static
-displacements by the inertia, Coriolis and centrifugal forces of the former and by the Coriolis
-forces of the latter, all at rest and at the highest speed. Of a wheel in one piece, whose blades
-must be equal, those modes are taken that the forces of a wave drive.
+displacements by the inertia, Coriolis and centrifugal forces of the former, by the Coriolis forces
+of the latter, and by forces on the blades, all at rest and at the highest speed. Of a wheel in one
+piece, whose blades must be equal, those modes are taken that the forces of a wave drive.
 """
 
 from dataclasses import dataclass
@@ -117,6 +117,7 @@ def _wave(part: Superelement, rigid: ComplexArray, states: "list[_Held]", k: int
         load, size = form @ rigid, abs(form) @ np.full(rigid.shape, abs(rigid).max(axis=0))
         load, size = load[inner], size[inner]
         loads.append(load[:, la.norm(load, axis=0) > ROUNDING * la.norm(size, axis=0)])
+    loads.append(_on_blades(part, k)[inner])
     fields = []
     for held in states:
         shapes = held.modes(k, np.hstack(loads))
@@ -140,6 +141,18 @@ def _wave(part: Superelement, rigid: ComplexArray, states: "list[_Held]", k: int
         speed=part.speed,
         contact=np.asarray(part.contact_rows @ basis),
     )
+
+
+def _on_blades(part: Superelement, k: int) -> ComplexArray:
+    """Return radial, tangential and axial forces on the contact nodes of each blade with a nodal
+    diameter, (n, 3); (n, 0) of a wheel that does not tell its number of blades."""
+    blades = 1 if part.left_dofs is not None else (part.sectors or 0)
+    if not blades or part.contacts % blades:
+        return np.zeros((part.size, 0), np.complex128)
+    x, y = part.contact_position[:, :2].reshape(blades, -1, 2).mean(axis=1).T
+    turn = np.repeat(np.exp(1j * k * np.arctan2(y, x)), part.contacts // blades)
+    shares = np.kron(turn[:, None], np.eye(3))
+    return np.asarray(part.contact_rows.T @ shares)
 
 
 class _Held(Protocol):

@@ -1,9 +1,10 @@
 """The wheel of a case on its shaft line."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
@@ -54,6 +55,8 @@ def wheel_on_line(case: Case, highest: float, node: int, following: int) -> Whee
     kept = np.delete(np.arange(whirling.size), slice(free, 2))
     amplitudes = following + np.arange(whirling.size - 2)
     (mass, arm), (_, tilting) = whirling.mass[:2, :2].real.tolist()
+    waves = {k: _damped(wave, case.shaft_line.wheel.damping_ratio) for k, wave in waves.items()}
+    whirling = waves[1]
     return WheelOnLine(
         mass=mass,
         offset=arm / mass,
@@ -64,6 +67,17 @@ def wheel_on_line(case: Case, highest: float, node: int, following: int) -> Whee
         unknowns=np.concatenate([2 * node + np.arange(free), amplitudes]),
         axial=waves[0] if unknowns == "six" else None,
     )
+
+
+def _damped(wave: HubWave, ratio: float) -> HubWave:
+    """Return a wave whose modes with a fixed hub at rest have a damping ratio, besides the damping
+    matrix of the file."""
+    damping = np.zeros(wave.mass.shape, np.complex128)
+    mass, stiffness = wave.mass[2:, 2:], wave.stiffness[2:, 2:]
+    squares, shapes = la.eigh(stiffness, mass)
+    moved = mass @ shapes
+    damping[2:, 2:] = (moved * (2.0 * ratio * np.sqrt(squares))) @ moved.conj().T
+    return replace(wave, damping=wave.known("damping") + damping) if ratio else wave
 
 
 @lru_cache(maxsize=4)

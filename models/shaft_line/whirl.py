@@ -11,7 +11,7 @@ clockwise.
 
 import warnings
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.linalg as la
@@ -186,16 +186,43 @@ def unbalance_response(line: LineModel, omega: float) -> tuple[ComplexArray, Com
     Raises:
         LinAlgError: the speed is a critical speed of a line without damping.
     """
-    mass, damping, stiffness = line.matrices(omega)
     force = omega**2 * line.unbalance_force(line.table.unbalance)
-    dynamic = stiffness + 1j * omega * damping - omega**2 * mass
+    return driven(line, omega, omega, force)
+
+
+def driven(
+    line: LineModel, omega: float, rate: float, force: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the parts f and b of the motion z = f exp(i w t) + b exp(-i w t) under forces F exp(i
+    w t), (n,) each.
+
+    Args:
+        line: the shaft line.
+        omega: speed of rotation [rad/s].
+        rate: w [rad/s], of any sign.
+        force: F [N, N m], (n,).
+
+    Raises:
+        LinAlgError: w is the frequency of a mode without damping.
+    """
+    mass, damping, stiffness = line.matrices(omega)
+    dynamic = stiffness + 1j * rate * damping - rate**2 * mass
+    x, y = np.split(solved(dynamic, np.concatenate([force, -1j * force])), 2)
+    return (x + 1j * y) / 2.0, (x.conj() + 1j * y.conj()) / 2.0
+
+
+def solved(dynamic: Any, force: Any) -> ComplexArray:
+    """Return the solution of linear equations.
+
+    Raises:
+        LinAlgError: they are singular to rounding.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("error", la.LinAlgWarning)
         try:
-            x, y = np.split(la.solve(dynamic, np.concatenate([force, -1j * force])), 2)
+            return np.asarray(la.solve(dynamic, force))
         except la.LinAlgWarning:
             raise la.LinAlgError("the matrix is singular to rounding") from None
-    return (x + 1j * y) / 2.0, (x.conj() + 1j * y.conj()) / 2.0
 
 
 def sag(line: LineModel, omega: float) -> ComplexArray:

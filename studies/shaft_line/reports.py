@@ -2,15 +2,18 @@
 print and draw them."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.shaft_line.line import line_model
-from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.shaft_line import critical_speeds as speeds_of
 from bladewhirl.studies.shaft_line import modes as modes_of
+from bladewhirl.studies.shaft_line import orders as orders_of
 from bladewhirl.studies.shaft_line import unbalance as unbalance_of
 
 POINTS = 101  #: number of speeds of a Campbell diagram
@@ -42,7 +45,30 @@ def campbell(case: Case, *, speeds: Values, families: int) -> Study:
 
 
 def response(case: Case, *, speeds: Values) -> Study:
-    """Return the response to the unbalances of the case at many speeds."""
+    """Return the response to the unbalances and to the engine orders of the case at many speeds."""
+    table = case.shaft_line
+    assert table is not None
     reference = line_model(case).reference_frequency
     omegas = speeds(reference) * reference
-    return unbalance_of.report(unbalance_of.line_response(case, speeds=omegas))
+    found = []
+    if any(isinstance(load, EngineOrder) for load in case.excitations.values()):
+        found.append(orders_of.report(orders_of.line_order_response(case, speeds=omegas)))
+    if table.unbalance or not found:
+        found.insert(0, unbalance_of.report(unbalance_of.line_response(case, speeds=omegas)))
+    return joined(found)
+
+
+def joined(studies: list[Study]) -> Study:
+    """Return studies of one command as one."""
+    first = studies[0]
+    drawn = [study.figures for study in studies if study.figures is not None]
+
+    def figures() -> Figures:
+        return {name: figure for each in drawn for name, figure in each().items()}
+
+    return replace(
+        first,
+        document={key: value for study in studies for key, value in study.document.items()},
+        tables=[each for study in studies for each in study.tables],
+        figures=figures,
+    )

@@ -39,7 +39,7 @@ def line_response(case: Case, *, speeds: FloatArray) -> xr.Dataset:
     """
     line = line_model(case, float(np.abs(speeds).max(initial=0.0)))
     if not line.table.unbalance:
-        expected = "at least one row, which drives the response"
+        expected = 'at least one row, or with a wheel excitation.type = "engine-order"'
         raise CaseError([Fault(key="shaft_line.unbalance", expected=expected)])
     nodes = slice(0, 2 * len(line.position), 2)
     along, across, forces = [], [], []

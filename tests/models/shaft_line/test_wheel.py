@@ -7,14 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg as la
-from plain_rotor import NU, RHO, E, Shaft, eigenvalues
+import scipy.sparse as sp
+from plain_rotor import NU, RHO, E, Shaft, eigenvalues, rotor
+from scipy.sparse.linalg import spsolve
 from solid_meshes import fan_sector, grid_mesh, whole
 
 from bladewhirl.models.case.case import Case, case_from
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.shaft_line.axial import axial_modes
 from bladewhirl.models.shaft_line.hub_waves import hub_waves
 from bladewhirl.models.shaft_line.line import line_model
+from bladewhirl.models.shaft_line.orders import moves_line, order_motion
 from bladewhirl.models.shaft_line.whirl import line_modes, sag
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.file import write_superelement
@@ -205,3 +209,43 @@ def test_a_file_without_hub_is_refused(tmp_path: Path) -> None:
     mesh.points[blade, 2] *= 1.05
     with pytest.raises(CaseError, match="expected equal blades"):
         line_model(case_of(tmp_path, mesh3d(mesh, **SOLID)))
+
+
+@pytest.mark.parametrize("order", [4, 5, 6, 9, 1])
+def test_forces_on_blades_move_the_whole_rotor(order: int, tmp_path: Path) -> None:
+    """Orders of nodal diameter 0 and 1 of five blades, forward and backward."""
+    omega, load = 300.0, EngineOrder(order=(order,), amplitude=10.0, phase=0.3, direction=0.4)
+    line = line_model(case_of(tmp_path, fan("sector"), omega))
+    assert moves_line(line, order)
+    ours = order_motion(line, omega, load, order)
+    wheel = fan("wheel")
+    mass, drag, stiffness = rotor(SHAFT, wheel, omega)
+    rate, size = order * omega, wheel.size - 6
+    angle = wheel.contact_angle
+    blade = np.rint(angle * SECTORS / (2.0 * np.pi)) * 2.0 * np.pi / SECTORS
+    rows = wheel.contact_rows.toarray().reshape(-1, 3, wheel.size)
+    along = np.cos(0.4) * rows[:, 0] + np.sin(0.4) * rows[:, 1]
+    shares = 10.0 * SECTORS / len(angle) * np.exp(1j * (order * blade + 0.3))
+    on_wheel = np.delete(shares @ along, wheel.hub_dofs)
+    force = np.concatenate([on_wheel, np.zeros(mass.shape[0] - size)])
+    dynamic = sp.csc_array(stiffness + 1j * rate * drag - rate**2 * mass)
+    moved = spsolve(dynamic, force)
+    hub = size + 6 * SHAFT.hub - 1
+    first = np.flatnonzero(abs(np.angle(np.exp(1j * angle))) < np.pi / SECTORS)
+    inner = np.delete(rows[first, :2].mean(axis=0), wheel.hub_dofs, axis=1)
+    assert not rows[first][:, :, wheel.hub_dofs].any()
+    tip = inner @ moved[:size]
+    if (order + 1) % SECTORS == 0 or order % SECTORS == 0:
+        assert ours.tip[0] == pytest.approx(tip, rel=1e-7)
+    else:
+        assert ours.tip[0] == pytest.approx(tip.conj(), rel=1e-7)
+    assert abs(ours.tip[1]).max() < 1e-12 * abs(tip).max()
+    x, y, z = moved[hub : hub + 3]
+    node = line.node(0.6)
+    if order % SECTORS == 0:
+        assert ours.axial == pytest.approx(z, rel=1e-7)
+        assert ours.torsion == pytest.approx(moved[hub + 5], rel=1e-7)
+    else:
+        largest = abs(ours.forward[node]) + abs(ours.backward[node])
+        assert largest == pytest.approx(np.hypot(abs(x), abs(y)) / np.sqrt(2.0), rel=1e-7)
+    assert not moves_line(line, 2)

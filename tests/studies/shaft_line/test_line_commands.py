@@ -162,6 +162,27 @@ def test_the_response_of_a_fan_peaks_at_its_forward_critical_speed(
     assert peak["rpm"] == pytest.approx(forward, rel=0.02)
 
 
+def test_engine_orders_move_the_fan_and_its_shaft(fan: Path, tmp_path: Path) -> None:
+    text = fan.read_text()
+    orders = '[excitation]\ntype = "engine-order"\norder = [4, 5]\namplitude = "10 N"\n'
+    fan.write_text(text + orders)
+    changes = ["--set", "shaft_line.wheel.damping_ratio=0.01", "--speeds", "1000rpm:2000rpm:500rpm"]
+    found = document("response", fan, *changes)
+    assert {"peaks", "bearing_force"} < found.keys()
+    own = found["engine_orders"]
+    assert own["order"] == [4, 5]
+    largest = np.hypot(own["tip_radial"], own["tip_tangential"]).max(axis=1)
+    assert [row["tip"] for row in own["peaks"]] == pytest.approx(largest.tolist(), rel=1e-9)
+    sideways, along = np.array(own["deflection"]).max(axis=(1, 2)), np.max(own["axial"], axis=1)
+    assert (sideways > 0.0).tolist() == [True, False]
+    assert (along > 0.0).tolist() == [False, True]
+    answer("response", fan, *changes, "-o", tmp_path / "response")
+    assert (tmp_path / "response" / "engine-orders.png").exists()
+    assert "excitation.order = 3: expected" in refusal(
+        "response", fan, *changes, "--set", "excitation.order=3"
+    )
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -1,0 +1,99 @@
+"""Engine-order forces on the blades of a wheel that moves its shaft line.
+
+The force F cos(r (Omega t + theta_n) + phi) on blade n of N has the nodal diameter r modulo N. One
+of diameter 0 moves the line along and about the axis with the frequency r Omega; one of diameter 1
+moves it sideways, in static axes at (r + 1) Omega if r + 1 is a multiple of N, and at -(r - 1)
+Omega if r - 1 is. Other orders move the blades only.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.shaft_line.axial import axial_matrices
+from bladewhirl.models.shaft_line.hub_waves import HubWave
+from bladewhirl.models.shaft_line.line import LineModel
+from bladewhirl.models.shaft_line.whirl import driven, solved
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrderMotion:
+    """Steady motion of a line by forces of an engine order."""
+
+    tip: ComplexArray
+    """Mean tangential and radial displacement of the contact nodes of the first blade: amplitudes
+    of exp(i r Omega t) and, on unequal bearings, of another frequency [m], (2, 2)."""
+    forward: ComplexArray  #: counter-clockwise part of the deflections of the nodes [m], (nodes,)
+    backward: ComplexArray  #: clockwise part [m], (nodes,)
+    axial: complex  #: displacement of the hub along the axis [m]
+    torsion: complex  #: rotation of the hub about the axis [rad]
+
+
+def moves_line(line: LineModel, order: int) -> bool:
+    """Return whether forces of an engine order on the blades move the line."""
+    blades = _blades(line)
+    assert line.wheel is not None
+    sideways = (order + 1) % blades == 0 or (order - 1) % blades == 0
+    return sideways or (order % blades == 0 and line.wheel.axial is not None)
+
+
+def order_motion(line: LineModel, omega: float, load: EngineOrder, order: int) -> OrderMotion:
+    """Return the motion by forces of an engine order that move the line, at a speed [rad/s].
+
+    Raises:
+        LinAlgError: their frequency is that of a mode without damping.
+    """
+    assert line.wheel is not None
+    assert isinstance(load.phase, float)
+    blades, nodes = _blades(line), slice(0, 2 * len(line.position), 2)
+    still = np.zeros(len(line.position), np.complex128)
+    if order % blades == 0:
+        axial = line.wheel.axial
+        assert axial is not None
+        rows, force = _forces(line, axial, load, order, sign=1)
+        parts = axial_matrices(line, omega)
+        rate = order * omega
+        dynamic = parts.stiffness + 1j * rate * parts.damping - rate**2 * parts.mass
+        own = parts.wheel @ solved(dynamic, parts.wheel.T @ force)
+        tip = np.stack([rows @ own, np.zeros(2)])
+        return OrderMotion(
+            tip=tip, forward=still, backward=still, axial=complex(own[0]), torsion=complex(own[1])
+        )
+    sign = 1 if (order + 1) % blades == 0 else -1
+    rows, own_force = _forces(line, line.wheel.whirling, load, order, sign=sign)
+    force = np.zeros(line.size, np.complex128)
+    force[line.wheel.unknowns] = own_force / 2.0
+    ahead, back = driven(line, omega, (sign * order + 1) * omega, force)
+    tip = np.stack([rows @ each[line.wheel.unknowns] for each in (ahead, back)])
+    left, right = ahead[nodes], back[nodes]
+    if sign * order + 1 < 0:
+        left, right = right, left
+    return OrderMotion(tip=tip, forward=left, backward=right, axial=0.0, torsion=0.0)
+
+
+def _blades(line: LineModel) -> int:
+    table = line.case.bladed_disk.superelement
+    assert table is not None
+    return table.copies
+
+
+def _forces(
+    line: LineModel, wave: HubWave, load: EngineOrder, order: int, *, sign: int
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the radial and the tangential displacement of the first blade as rows on the
+    coordinates of a wave, (2, m), and the forces on these, (m,), for the time factor exp(i sign r
+    Omega t)."""
+    table = line.case.bladed_disk.superelement
+    assert table is not None
+    part = table.with_hub
+    count = 1 if part.left_dofs is not None else table.copies
+    moved = wave.contact.reshape(count, -1, 3, wave.size).mean(axis=1)
+    x, y = part.contact_position[:, :2].reshape(count, -1, 2).mean(axis=1).T
+    angle: FloatArray = np.arctan2(y, x) + table.angle
+    direction = np.array([np.cos(load.inclination), np.sin(load.inclination)])
+    phase = sign * (order * angle + load.phase)
+    along = np.einsum("ncm,c->nm", moved[:, :2].conj(), direction)
+    force = load.amplitude * table.copies / count * (np.exp(1j * phase) @ along)
+    return moved[0, :2], np.asarray(force)
