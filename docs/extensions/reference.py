@@ -8,6 +8,7 @@ from functools import partial
 from typing import Annotated, Any
 
 import licences
+import trials
 import typer
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -48,7 +49,7 @@ def case_keys(*names: str) -> str:
     Raises:
         KeyError: a case has no such table.
     """
-    parts = []
+    parts: list[str] = []
     for name in names or Case.model_fields:
         field = Case.model_fields[name]
         tables = [] if name == "sketch" else list(tables_in(field.annotation))
@@ -302,6 +303,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "decks": decks,
     "case-keys": case_keys,
     "rules": rules,
+    "studies": trials.table,
     "commands": commands,
     "results": partial(schema_table, RESULT),
     "sweeps": partial(schema_table, SWEEP),
