@@ -19,7 +19,7 @@ DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
 COLOURS = 256  #: number of colours of a palette
-TOUCH = ("--from", "2.62 ms", "--to", "3.36 ms")  #: times of the film: the disk turns by two blades
+TOUCH = ("--from", "2.78 ms", "--to", "3.52 ms")  #: times of the film: the disk turns by two blades
 FRAMES, WAIT = 24, 60  #: number of pictures of the film, time of each [ms]
 FILM = 420  #: width and height of the film [pixels]
 

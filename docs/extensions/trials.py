@@ -19,7 +19,8 @@ from bladewhirl.studies.shaft_line import reports
 
 BLADES = 3
 SECTOR = (-0.5, -0.15, 0.15, 0.5)  #: angles of a sector over that between two blades
-KINDS = ("beams", "copies of a blade", "sector", "wheel", "wheel on a shaft", "shaft line")
+KINDS = ("beams", "copies of a blade", "sector", "wheel", "wheel with a hub", "shaft line")
+BORE = "r < 0.101"  #: nodes of the bore
 ROTATING = {"rotation": {"effects": "full"}}
 STIFFNESS = np.array([1e7])  #: of a shaft [N/m]
 ORDER = {"type": "engine-order", "order": 1}
@@ -58,7 +59,8 @@ ROWS: dict[str, tuple[Callable[[bw.Case], object], Tables]] = {
         bw.periodic,
         {
             "excitation": {"type": "imbalance", "clearance_speed": 0.5},
-            "casing": {"clearance": 1e-4},
+            "casing": {"type": "rigid", "clearance": 1e-4},
+            "contact": {"friction": 0.0},
             "march": {"speed": 0.55},
         },
     ),
@@ -131,14 +133,10 @@ def _disk(kind: str, folder: Path, effects: str) -> Tables:
     }
     if kind == "beams":
         return beams
-    if kind == "wheel on a shaft":
-        case = bw.case_from({**beams, "rotation": {"effects": effects}})
-        part = bw.build_stage(case).to_superelement()
-    else:
-        part = _solid(kind, coriolis=effects == "full")
+    part = _solid(kind, coriolis=effects == "full")
     file = folder / f"{effects}.npz"
     bw.write_superelement(file, part)
-    source = {"file": str(file), "kind": kind.split()[0 if "wheel" in kind else -1]}
+    source = {"file": str(file), "kind": "wheel" if "wheel" in kind else kind.split()[-1]}
     return {
         **beams,
         "bladed_disk": {"superelement": {**source, "copies": BLADES}},
@@ -152,18 +150,17 @@ def _solid(kind: str, *, coriolis: bool) -> Superelement:
         "copies of a blade": {"mesh": _mesh(SECTOR[1:3])},
         "sector": {"mesh": _mesh(SECTOR), "left": "angle = -60", "right": "angle = 60"},
         "wheel": {"mesh": _mesh(SECTOR, BLADES)},
+        "wheel with a hub": {"mesh": _mesh(SECTOR, BLADES), "clamped": None, "hub": BORE},
     }
     if kind != "copies of a blade":
         of_kind[kind] |= {"copies": BLADES, "blade": "r > 0.15"}
-    return bw.mesh3d(
+    given: dict[str, Any] = {
+        "clamped": BORE,
         **of_kind[kind],
-        young_modulus=210e9,
-        poisson_ratio=0.3,
-        density=7800.0,
-        clamped="r < 0.101",
-        contact="outermost",
-        coriolis=coriolis,
-    )
+        "contact": "outermost",
+        "coriolis": coriolis,
+    }
+    return bw.mesh3d(**given, young_modulus=210e9, poisson_ratio=0.3, density=7800.0)
 
 
 def _mesh(angles: Sequence[float], sectors: int = 1) -> Mesh:

@@ -17,7 +17,7 @@ NOT_ROUND = "`periodic`, wall that is not round"
         ),
         ("sector", {"`campbell`", "with `bladed_disk.mistuning`", "with `march.speed_table`"}),
         ("wheel", {"`campbell`", "with `bladed_disk.mistuning`", "with `march.speed_table`"}),
-        ("wheel on a shaft", {"`critical-speeds`", "`veering`", "`periodic`, imbalance"}),
+        ("wheel with a hub", {"`critical-speeds`", "`veering`", "`periodic`, imbalance"}),
         ("shaft line", {"`campbell`", "`critical-speeds`"}),
     ],
 )
