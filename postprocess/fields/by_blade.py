@@ -69,16 +69,23 @@ def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
     """Return the radial (0) or tangential (1) displacement of each contact node in rotating axes
     at every record [m], (time, contact_node), with the part of their own flexibility; nan for a
     blade that is lost."""
-    return masked(dataset, np.concatenate([moved[..., direction] for moved in _motions(dataset)]))
+    return np.concatenate([moved[..., direction] for moved in _motions(dataset)])
 
 
 def largest_contact_motion(dataset: xr.Dataset) -> Array:
     """Return the largest displacement of each contact node at any record in each direction [m],
     (contact_node, 3)."""
-    return np.asarray(np.max([np.abs(moved).max(axis=0) for moved in _motions(dataset)], axis=0))
+    largest = [np.fmax.reduce(np.abs(moved)) for moved in _motions(dataset)]
+    return np.asarray(np.fmax.reduce(largest))
+
+
+def largest_displacement(dataset: xr.Dataset) -> float:
+    """Return the largest displacement of a contact node at any record [m]."""
+    return max(float(np.nanmax(np.linalg.norm(moved, axis=2))) for moved in _motions(dataset))
 
 
 def _motions(dataset: xr.Dataset) -> Iterator[Array]:
-    """Yield the displacements of contact nodes for portions of the records."""
+    """Yield the displacements of contact nodes for portions of the records, nan for lost blades."""
     for portion in portions(dataset):
-        yield contact_vectors(dataset, np.arange(portion.start, portion.stop))
+        moved = contact_vectors(dataset, np.arange(portion.start, portion.stop))
+        yield masked(dataset.isel(time=portion), moved)

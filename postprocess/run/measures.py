@@ -11,10 +11,10 @@ import xarray as xr
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, Regime, classify
 from bladewhirl.postprocess.energy.strain import energy_terms, group_energies, strain_energies
 from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.by_blade import largest_displacement
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import LOSS
-from bladewhirl.postprocess.fields.lost_blades import masked
-from bladewhirl.postprocess.fields.result import portions, reduce_modes
+from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
@@ -249,19 +249,6 @@ def late_impulse(dataset: xr.Dataset) -> float | None:
     return float((sums[1] - sums[0]) / whole)
 
 
-def largest_tip_displacement(dataset: xr.Dataset) -> float:
-    """Return the largest displacement of a contact node at any record [m]."""
-    if "contact_displacement" in dataset:
-        stored = dataset["contact_displacement"]
-        lengths = (np.linalg.norm(stored[one].values, axis=2) for one in portions(dataset))
-        return float(max(length.max() for length in lengths))
-    blades = dataset.sizes["contact_node"]
-    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
-    moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
-    square = masked(dataset, (moved.reshape(-1, blades, 2) ** 2).sum(axis=2))
-    return float(np.sqrt(np.nanmax(square)))
-
-
 def _report(name: str) -> Callable[[Motion], Any]:
     return lambda run: MARCH_REPORT[name](run.report[name])
 
@@ -291,7 +278,7 @@ MEASURES: Mapping[str, Callable[[Motion], Any]] = {
     "reference_frequency": _attribute("reference_frequency"),
     "shaft_radius_max": lambda run: float(run.radius.max()) if run.has_shaft else None,
     "shaft_radius_final": lambda run: float(run.radius[-1]) if run.has_shaft else None,
-    "tip_displacement_max": lambda run: largest_tip_displacement(run.result),
+    "tip_displacement_max": lambda run: largest_displacement(run.result),
     "smallest_clearance": lambda run: smallest_clearance(run.result),
     "strain_energy_max": lambda run: float(run.strain_energy.max()),
     "energy_final": lambda run: float(run.result.variables["energy"].values[-1]),

@@ -19,6 +19,7 @@ from bladewhirl.postprocess.energy.works import (
     works,
 )
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
+from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
@@ -96,8 +97,8 @@ class Summary:
     ripple_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum of the ripple
     critical_crossings: list[CriticalCrossing]  #: crossings of critical speeds, in order of time
     tip_displacement_max: float  #: largest displacement of a contact node over the records [m]
-    contact_displacement_max: dict[str, float] | None
-    """Largest displacement of a contact node in each direction [m], if it is recorded."""
+    contact_displacement_max: dict[str, float]
+    """Largest displacement of a contact node in each direction over the records [m]."""
     strain_energy_max: float  #: largest strain energy of bladed disk and shaft springs [J]
     strain_energy_final: (
         EnergyHolders | None
@@ -181,14 +182,14 @@ def summarise(
     power, speed = late_rate(dataset, drive_work(dataset)), float(dataset.attrs["speed"])
     peaks = _peaks(dataset) if stresses is None else stresses
     grouped, impulse = "suspension" in energies, dataset["contact_impulse"].values
-    wear = wear_summary(dataset)
+    wear, largest_motion = wear_summary(dataset), largest_contact_motion(dataset).max(0).tolist()
     contact_steps = dataset["contact_steps"].sum("time").values
     names = [each.name for each in fields(Summary) if each.name in MEASURES]
     measured = {name: MEASURES[name](run) for name in names}
     return Summary(
         **measured,
         **_shaft_figures(run, measured["tip_displacement_max"]),
-        contact_displacement_max=_contact_displacements(dataset),
+        contact_displacement_max=dict(zip(DIRECTIONS, largest_motion, strict=True)),
         strain_energy_final=_holders(energies.isel(time=-1)) if grouped else None,
         strain_energy_rest=_rest(dataset) if grouped else None,
         **_casing_figures(dataset),
@@ -262,13 +263,6 @@ def _peaks(dataset: xr.Dataset) -> xr.Dataset | None:
     """Return the largest stresses; None for a superelement whose file gives none."""
     known = "rotor_line" in dataset or has_stresses(dataset)
     return peak_stresses(dataset) if known else None
-
-
-def _contact_displacements(dataset: xr.Dataset) -> dict[str, float] | None:
-    if "contact_displacement" not in dataset:
-        return None
-    largest = largest_contact_motion(dataset).max(axis=0)
-    return dict(zip(map(str, dataset["direction"].values), largest.tolist(), strict=True))
 
 
 def _lines(orbit: xr.Dataset) -> list[LineOfWhirl]:

@@ -126,8 +126,8 @@ def _walls(peaks: dict[str, WallPeak] | None) -> dict[str, str]:
     return {"casing displacement, largest": "; ".join(walls)} if walls else {}
 
 
-def _directions(largest: dict[str, float] | None) -> dict[str, str]:
-    parts = [f"{name} {_text(value, 'm')}" for name, value in (largest or {}).items()]
+def _directions(largest: dict[str, float]) -> dict[str, str]:
+    parts = [f"{name} {_text(value, 'm')}" for name, value in largest.items() if value]
     return {"  by direction": ", ".join(parts)} if parts else {}
 
 
