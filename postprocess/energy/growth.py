@@ -147,7 +147,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     misfits.plot(time, misfit, "o-", **means)
     misfits.axhline(0.0, color=COLOURS["k = 1"])
     reach = 1.2 * max(float(abs(line).max()) for line in (misfit, low, high)) or 1.0
-    misfits.set(ylabel="misfit of\namplitude [%]", ylim=(-reach, reach))
+    misfits.set(ylabel="misfit [%]", ylim=(-reach, reach))
     time_axis(axes, misfits)
     rates = [("amplitude", "rate", "error"), (ABOUT_MEAN, "ripple_rate", "ripple_error")]
     words = [

@@ -34,6 +34,7 @@ PLOT_POINTS = 300  #: largest number of drawn means in a curve
 
 SPANS = 300  #: largest number of time spans in the figure by families
 NONE = "0.92"  #: grey of cells without energy, or without a mode
+ROW = 0.004  #: height of the row of a family in a figure [m]
 PLOT_DECADES = 6.0  #: number of decades that the plot shows below the largest energy
 
 
@@ -240,8 +241,8 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
     diameters, families = energies["nodal_diameter"].values, energies["family"].values
     columns, rows = np.arange(len(diameters)), np.arange(len(families))
     scale = float(by_diameter.max()) or 1.0, PLOT_DECADES
-    figure = new_figure(height=0.1)
-    upper, lower = figure.subplots(2, 1)
+    figure = new_figure(height=0.075 + ROW * len(rows))
+    upper, lower = figure.subplots(2, 1, height_ratios=[0.03, ROW * len(rows)])
     edges = np.concatenate([[energies.attrs["begin"]], energies["time"].values])
     positive = [np.ma.masked_less_equal(e.values, 0.0) for e in (by_diameter, by_both)]
     drawn = draw_decades(upper, edges, columns, positive[0].T, scale)

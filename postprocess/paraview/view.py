@@ -83,8 +83,7 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
     part = simple.ExtractBlock(registrationName=name, Input=drawn)
     part.Selectors = [f"/Root/{name}"]
     for origin, normal in SERIES["cuts"] if name in ("casing", "coating") else ():
-        part = simple.Clip(registrationName=f"{name}, cut open", Input=part)
-        part.ClipType = "Plane"
+        part = simple.Clip(registrationName=f"{name}, cut open", Input=part, ClipType="Plane")
         part.ClipType.Origin, part.ClipType.Normal = origin, normal
     look = SERIES["colours"].get(name)
     if look is not None:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
@@ -48,6 +49,17 @@ def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> N
     axes.set_ylabel(label)
     functions = (lambda x: np.asarray(x) * reference_hz, lambda x: np.asarray(x) / reference_hz)
     axes.secondary_yaxis("right", functions=functions).set_ylabel("frequency [Hz]")
+
+
+def blade_axis(axes: Axes, blades: int, *, of_y: bool = False, most: int = 8) -> None:
+    """Label an axis of the numbers of blades, with at most `most` intervals between ticks, and set
+    its limits."""
+    axis, limits = (axes.yaxis, axes.set_ylim) if of_y else (axes.xaxis, axes.set_xlim)
+    limits(-0.7, blades - 0.3)
+    axis.set_major_locator(MaxNLocator(nbins=most, integer=True, steps=[1, 2, 5, 10]))
+    axis.set_label_text("blade")
+    if not of_y:
+        axes.grid(axis="x", visible=False)
 
 
 def draw_map(

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from bladewhirl.files import replacing
 from bladewhirl.models.inputs.units import handy_unit
@@ -63,6 +64,9 @@ COLOUR_MAPS: Mapping[str, LinearSegmentedColormap] = {
 paper and larger is darker: magnitudes, also those of the blades; magnitudes along lines, which have
 no white; those of the wall, among them wear; shares and forces of contact, where white is none;
 gaps, paler than contact; and signed values, white at the middle."""
+
+#: makes dark lines and letters legible on dark places of maps
+OUTLINE = [withStroke(linewidth=2.0, foreground="white")]
 
 STYLE: Mapping[str, Any] = {
     "font.size": 7.5,
@@ -127,6 +131,16 @@ def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
     figure = Figure(figsize=((_width.get() or width) / INCH, height / INCH), layout="constrained")
     FigureCanvasAgg(figure)  # measures text without starting a picture for each text
     return figure
+
+
+def side_by_side(figure: Figure, count: int, **options: Any) -> list[Axes]:
+    """Return panels side by side, or one above another in a figure narrower than `NARROW`, which
+    becomes higher; `options` are those of `Figure.subplots`."""
+    narrow = figure.get_figwidth() * INCH < NARROW
+    if narrow:
+        figure.set_figheight(count * figure.get_figheight())
+    shape = (count, 1) if narrow else (1, count)
+    return [*figure.subplots(*shape, squeeze=False, **options).flat]
 
 
 def time_axis(*panels: Axes) -> None:

@@ -1,5 +1,7 @@
 """Titles of figures: name of the case, content of the figure, and speed."""
 
+import re
+
 import numpy as np
 import xarray as xr
 from matplotlib import rcParams
@@ -13,7 +15,9 @@ from bladewhirl.postprocess.plotting.style import styled
 
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
 WIDEST = 0.97
-"""Largest width of a line of a title, divided by the figure's width; wider lines are cut."""
+"""Largest width of a line of a title, divided by the figure's width."""
+
+LINE = 0.13  #: height of a line of a title [inch]
 
 
 def speed_label(dataset: xr.Dataset) -> str:
@@ -40,20 +44,24 @@ def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:
-    """Set the title of a complete figure: the name of the case, and the lines `shown`, each cut to
-    the width of the figure; exponents of its axes become legible."""
+    """Set the title of a complete figure: the name of the case, and the lines `shown`; exponents of
+    its axes become legible."""
     in_font = get_font(findfont(FontProperties())).get_char_index
-    name = " ".join(case[: int(MOST_LETTERS * figure.get_figwidth())].split())
+    most = int(MOST_LETTERS * figure.get_figwidth())
+    name = " ".join(case[:most].split()) + " …" * (len(case) > most)
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
-    lines = [_cut(line, figure) for line in (name, *shown.splitlines()) if line]
-    figure.suptitle("\n".join(lines), parse_math=False)
+    retitle(figure, "\n".join(filter(None, [name, shown])))
     plain_exponents(figure)
 
 
 @styled
 def retitle(figure: Figure, title: str) -> None:
-    """Give a figure another title, cut to its width; an empty text removes the title."""
-    figure.suptitle("\n".join(_cut(line, figure) for line in title.splitlines()), parse_math=False)
+    """Give a figure another title, whose lines are broken at the width of the figure, which becomes
+    higher; an empty text removes the title."""
+    given = title.splitlines()
+    lines = [part for line in given for part in _broken(line, figure)]
+    figure.suptitle("\n".join(lines), parse_math=False)
+    figure.set_figheight(figure.get_figheight() + LINE * (len(lines) - len(given)))
 
 
 def plain_exponents(figure: Figure) -> None:
@@ -67,15 +75,23 @@ def plain_exponents(figure: Figure) -> None:
                 axis.set_minor_formatter(NullFormatter())
 
 
-def _cut(line: str, figure: Figure) -> str:
-    """Return a line of a title, cut to the width of the figure."""
+def _broken(line: str, figure: Figure) -> list[str]:
+    """Return the parts of a line of a title that fit into the width of a figure."""
     most = WIDEST * 72.0 * figure.get_figwidth()  # [points]
     size = FontProperties(size=rcParams["figure.titlesize"]).get_size_in_points()
-    cut = line
-    while cut and _width(cut, size) > most:
-        line = line[: min(len(line) - 1, int(0.97 * len(line)))].rstrip(" ,;:")
-        cut = f"{line} …"
-    return cut
+    parts = [""]
+    for phrase in re.split(r"(?<=,) ", line):  # a phrase is broken only if it is wider
+        fits = _width(f"{parts[-1]} {phrase}", size) <= most
+        if not fits and parts[-1] and _width(phrase, size) <= most:
+            parts.append("")
+        for word in phrase.split(" "):
+            longer = f"{parts[-1]} {word}".lstrip()
+            if parts[-1] and _width(longer, size) > most:
+                parts.append(longer := word)
+            while _width(longer, size) > most:  # a word that is wider than the figure
+                longer = f"{longer[: int(0.9 * len(longer)) - 1]}…"
+            parts[-1] = longer
+    return parts
 
 
 def _width(line: str, size: float) -> float:
@@ -84,7 +100,7 @@ def _width(line: str, size: float) -> float:
     The widest points of letters are ends of their curves, so that the corners of the outline give
     the same width as its curves, in a fraction of the time.
     """
-    outline = TextPath((0, 0), line, size=size, usetex=False)
+    outline = TextPath((0, 0), line.replace("$", "S"), size=size, usetex=False)
     corners = np.asarray(outline.vertices)[outline.codes != TextPath.CLOSEPOLY]
     return float(np.ptp(corners[:, 0])) if len(corners) else 0.0
 

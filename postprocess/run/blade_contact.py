@@ -1,6 +1,7 @@
 """Gaps and contact forces of all blades over time (Fig. 21 of the paper), and contact classes."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +18,7 @@ from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.lost_blades import masked
-from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
+from bladewhirl.postprocess.plotting.axes import blade_axis, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
     COLOURS,
@@ -155,6 +156,8 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     figure, axes = _map_axes()
     unit, scale = handy_unit(float(maps["gap"].max(skipna=True)), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
+    if len(gap) == 1:
+        return _draw_alone(figure, axes, maps, gap[0], f"smallest gap [{unit}]")
     picture = draw_map(axes, maps["edge"], maps["blade"], gap, vmin=0.0, cmap=COLOUR_MAPS["gap"])
     if maps["share"].any():
         limit = share_limit(maps["share"])
@@ -175,6 +178,8 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     force = maps["force"].values
     top = float(force.max()) or 1.0
     unit, scale = ("kN", 1e-3) if top >= 1e3 else ("N", 1.0)
+    if force.shape[1] == 1:
+        return _draw_alone(figure, axes, maps, scale * force[:, 0], f"mean normal force [{unit}]")
     span = float(np.diff(maps["edge"]).max())
     small, larger = handy_unit(span, "s")
     length = f"{larger * span:.2g} {small}"
@@ -204,10 +209,8 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
         height = np.where(members, share, 0.0)
         axes.bar(blade, height, color=colour, hatch=CLASS_HATCHES[name], label=label)
     top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 102.0
-    axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, top))
-    axes.set_xlim(-0.7, len(blade) - 0.3)
-    axes.locator_params(axis="x", integer=True)
-    axes.grid(axis="x", visible=False)
+    axes.set(ylabel="time in contact [%]", ylim=(0, top))
+    blade_axis(axes, len(blade))
     head(figure, classes, classes.attrs["window"])
     figure.legend(loc="outside lower center", ncols=3)
     return figure
@@ -276,3 +279,18 @@ def _map_axes() -> tuple[Figure, Axes]:
     axes.set_ylabel("blade")
     axes.locator_params(axis="y", integer=True)
     return figure, axes
+
+
+def _draw_alone(figure: Figure, axes: Axes, maps: xr.Dataset, values: Array, label: str) -> Figure:
+    """Draw values (span,) of the only blade as a line over time, with marks of contact."""
+    edge, touched = maps["edge"].values, maps["share"].values[:, 0] > 0.0
+    axes.stairs(values, edge, baseline=None, color=COLOURS["rotor"])
+    at = 0.5 * (edge[1:] + edge[:-1])[touched]
+    look: Any = {"transform": axes.get_xaxis_transform(), "color": COLOURS["contact"]}
+    axes.plot(at, np.full(len(at), 0.02), "|", markersize=4.0, label="contact", **look)
+    axes.set(ylabel=label, ylim=(0.0, None), xlim=contact_span(edge, touched))
+    if touched.any():
+        figure.legend(loc="outside lower center")
+    time_axis(axes)
+    head(figure, maps)
+    return figure

@@ -20,6 +20,7 @@ from bladewhirl.postprocess.run.blade_contact import (
 )
 
 SECTORS = 4  #: largest number of sectors of the casing per blade pitch
+FEW_SECTORS = 72  #: largest number of sectors in any case
 LAST_TURNS = 8.0
 """A second panel shows this number of revolutions at the end of a run: contact that travels around
 the casing cannot be recognised in a drawing of many revolutions."""
@@ -53,7 +54,7 @@ def casing_contact(
     if speed:  # a sector is at least as wide as the movement of a tip between two records
         finest = 2 * np.pi / (speed * float(np.median(steps)))
         spans = int(np.clip(np.ptp(time) * blades * speed / (2 * np.pi), 1, COLUMNS))
-        sectors = int(np.clip(finest, blades, SECTORS * blades))
+        sectors = int(np.clip(finest, blades, max(FEW_SECTORS, SECTORS * blades)))
     origin = 0.0 if speed else -np.pi / sectors  # tips at rest are in the middle of their sectors
     edges = np.linspace(time[0], time[-1], spans + 1)
     middle = time[1:] - steps / 2

@@ -14,10 +14,13 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS, ring_displacement
 from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
+    COLOURS,
     FULL_WIDTH,
     new_figure,
+    side_by_side,
     styled,
     time_axis,
 )
@@ -135,17 +138,17 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
     else:
         above.plot(time, scale * by_blade.max(axis=0), linewidth=0.7, label="largest of all blades")
         above.plot(time, scale * by_blade.mean(axis=0), linewidth=0.7, label="mean of all blades")
-    if len(blades) > 1:
-        above.legend(loc="upper left", ncols=3)
     above.set_ylabel(f"normal force\nof a blade [{unit}]")
     label = f"normal force [{unit}]"
     draw_map(below, _time_edges(time), np.arange(force.shape[1]), scale * force.T, label=label)
     for first in np.flatnonzero(np.diff(number)) + 1:
-        below.axhline(float(first) - 0.5, color="white", linewidth=0.4)
+        below.axhline(float(first) - 0.5, color=COLOURS["rest"], linewidth=0.3)
     below.set_ylabel("contact node" if len(blades) == 1 else "contact node, blade by blade")
     below.yaxis.set_major_locator(MaxNLocator(8, integer=True))
     time_axis(above, below)
     head(figure, data, f"mean over {handy(float(np.diff(time[:2])[0]), 's', 3)}")
+    if len(blades) > 1:
+        legends_below(figure, Group(entries_of(above)))
     return figure
 
 
@@ -157,7 +160,7 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
         data: dataset from `tip_orbits`.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.075)
-    panels = figure.subplots(1, 2, sharey=True)
+    panels = side_by_side(figure, 2, sharey=True)
     largest = max(float(np.abs(data[name]).max()) for name in DIRECTIONS)
     unit, scale = handy_unit(largest, "m")
     nodes = data.sizes["node"]
@@ -170,12 +173,12 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
                 linewidth=0.6,
                 label=f"node {node}",
             )
-        axes.set_xlabel(f"{name} displacement [{unit}]")
+        axes.set(xlabel=f"{name} displacement [{unit}]", ylabel=f"radial displacement [{unit}]")
         axes.locator_params(nbins=6)
-    panels[0].set_ylabel(f"radial displacement [{unit}]")
-    panels[1].legend(loc="best")
+    panels[-1].label_outer(remove_inner_ticks=False)
     span = float(data["time"][-1] - data["time"][0])
-    head(figure, data, f"last {span:.3g} s")
+    head(figure, data, f"last {handy(span, 's', 3)}")
+    legends_below(figure, Group(entries_of(panels[0])))
     return figure
 
 
@@ -231,10 +234,10 @@ def plot_ring(data: xr.Dataset) -> Figure:
     shown = np.sort(np.argsort(-energy.max(axis=0), kind="stable")[:LINES])
     for column in shown:
         below.plot(time, scale * energy[:, column], linewidth=0.7, label=f"{diameter[column]}")
-    below.legend(title="nodal diameter", loc="upper right", ncols=LINES)
     below.set_ylabel(f"strain energy [{unit}]")
     time_axis(above, below)
     head(figure, data, f"the {len(shown)} nodal diameters with the largest energy")
+    legends_below(figure, Group(entries_of(below), "nodal diameter"))
     return figure
 
 

@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.figures import Figures
@@ -124,6 +125,8 @@ class RunFigures(Figures):
     @property
     def classes(self) -> xr.Dataset:
         """Contact classes of the blades in the last third or the time window."""
+        if blade_count(self.result) == 1:
+            raise ViewError("contact classes compare blades, and there is one; see figure gaps")
         return contact_classes(self._late(self.with_contact))
 
     @property

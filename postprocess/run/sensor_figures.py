@@ -12,7 +12,7 @@ from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import ABOUT
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
-from bladewhirl.postprocess.plotting.axes import Labels, draw_decades, draw_map
+from bladewhirl.postprocess.plotting.axes import Labels, blade_axis, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.legends import entries_of
 from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
@@ -327,8 +327,10 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
     each blade."""
     names = [str(name) for name, moved in blades.items() if f"{name}_low" in blades]
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(names))
-    rows = figure.subplots(len(names), 2, squeeze=False, width_ratios=[3, 1])
-    for (over_turns, extremes), name in zip(rows, names, strict=True):
+    alone, count = blades.sizes["blade"] == 1, blades.sizes["blade"]
+    ratios = [1] if alone else [3, 1]
+    rows = figure.subplots(len(names), len(ratios), squeeze=False, width_ratios=ratios)
+    for (over_turns, *others), name in zip(rows, names, strict=True):
         unit, scale = shown_unit(blades[name])
         moved, signed = scale * blades[name].values, blades[name].attrs["type"] == "tip-timing"
         reach = float(np.nanmax(np.abs(moved))) or 1.0
@@ -337,20 +339,23 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
             look |= {"vmin": -reach, "cmap": COLOUR_MAPS["signed"]}
         number, blade = blades[f"{name}_turn"].values, blades["blade"].values
         word = "deflection" if signed else "half of the range"
+        over_turns.set_title(name, loc="left")
+        over_turns.locator_params(axis="x", integer=True, nbins=8)
+        if alone:
+            over_turns.plot(number, moved.ravel(), ".-", color=COLOURS["rotor"], markersize=2.5)
+            over_turns.set(ylabel=f"{word} [{unit}]")
+            continue
         masked = np.ma.masked_invalid(moved)
         draw_map(over_turns, number, blade, masked, label=f"{word} [{unit}]", **look)
-        over_turns.set(ylabel="blade")
-        over_turns.set_title(name, loc="left")
+        blade_axis(over_turns, count, of_y=True)
         low, high = (scale * blades[f"{name}_{end}"].values for end in ("low", "high"))
-        extremes.use_sticky_edges = False
-        extremes.bar(blade, high - low, 0.8, low, color=COLOURS["rest"])
-        extremes.axhline(0.0, color="black", linewidth=0.6)
-        extremes.set(ylabel=f"extremes [{unit}]")
-        over_turns.locator_params(integer=True, nbins=8)
-        extremes.locator_params(axis="x", integer=True, nbins=6)
-        extremes.grid(axis="x", visible=False)
+        for extremes in others:
+            extremes.use_sticky_edges = False
+            extremes.bar(blade, high - low, 0.8, low, color=COLOURS["rest"])
+            extremes.axhline(0.0, color="black", linewidth=0.6)
+            extremes.set(ylabel=f"extremes [{unit}]")
+            blade_axis(extremes, count, most=3)
     rows[-1][0].set_xlabel("revolution")
-    rows[-1][1].set_xlabel("blade")
     head(figure, blades)
     return figure
 

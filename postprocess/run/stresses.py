@@ -37,7 +37,16 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_strain_rows,
 )
 from bladewhirl.postprocess.fields.windows import in_window, span_starts
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.axes import blade_axis
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    side_by_side,
+    styled,
+    time_axis,
+)
 from bladewhirl.postprocess.plotting.titles import head
 
 CASING_PIECES = 4
@@ -414,24 +423,24 @@ def _note_peaks(peak: dict[str, Array], body: _Body, time: Array, portion: _Port
 def plot_stress(history: xr.Dataset) -> Figure:
     """Draw the largest stress in blades, other parts and casing over time, and the extremes of the
     stress in every blade, from `stress_history`."""
-    figure = new_figure(width=FULL_WIDTH, height=0.065)
-    over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
     blades = int(history.attrs["blades"])
+    figure = new_figure(width=FULL_WIDTH, height=0.065)
+    over_time, *others = side_by_side(figure, min(blades, 2))
     size = np.fmax(history["largest_stress"].values, -history["smallest_stress"].values)
     unit, scale = handy_unit(float(size.max()), "Pa")
     _draw_time(over_time, history, scale * size, blades)
     over_time.set(ylabel=f"largest stress [{unit}]", ylim=(0, None))
     over_time.set_title("largest at any place")
     time_axis(over_time)
-    _draw_blades(over_blades, history.isel(member=slice(0, blades)), scale)
-    over_blades.set(xlabel="blade", ylabel=f"stress [{unit}]", title="extremes of each blade")
-    figure.legend(*over_time.get_legend_handles_labels(), loc="outside lower left", ncols=4)
-    figure.legend(*over_blades.get_legend_handles_labels(), loc="outside lower right", ncols=2)
+    for over_blades in others:
+        _draw_blades(over_blades, history.isel(member=slice(0, blades)), scale)
+        over_blades.set(ylabel=f"stress [{unit}]", title="extremes of each blade")
     what = "stress at surfaces by beam theory"
     if history.attrs["measure"] != "beam theory":
         what = f"{history.attrs['measure']} of blades"
         what += ", with that of steady rotation" if history.attrs["steady"] else ""
     head(figure, history, what)
+    legends_below(figure, *(Group(entries_of(axes)) for axes in (over_time, *others)))
     return figure
 
 
@@ -470,15 +479,12 @@ def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
     ]
     bottom, top = np.fmin(ends[0][0], 0.0), np.fmax(ends[0][1], 0.0)
     axes.bar(blade, top - bottom, 0.8, bottom, color=COLOURS["rest"], label="at a surface")
+    blade_axis(axes, len(blade))
     if history.attrs["measure"] != "beam theory":
         axes.set_ylim(0.0, 1.1 * top.max() or 1.0)
-        axes.locator_params(axis="x", integer=True)
-        axes.grid(axis="x", visible=False)
         return
     for axial, label in zip(ends[1], ("axial alone", None), strict=True):
         axes.plot(blade, axial, "_", markersize=4.0, color=COLOURS["k = 0"], label=label)
     reach = 1.1 * scale * float(abs(history["peak_stress"]).max()) or 1.0
     axes.set_ylim(-reach, reach)
     axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.locator_params(axis="x", integer=True)
-    axes.grid(axis="x", visible=False)

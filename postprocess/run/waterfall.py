@@ -14,7 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced
 from bladewhirl.postprocess.plotting.axes import draw_decades
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, OUTLINE, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.sensor_figures import ORDERS, over_time
 from bladewhirl.postprocess.run.sensors import shown_unit
@@ -207,11 +207,11 @@ def _draw(axes: Axes, speed: Array, hertz: Array, values: Array, top: float) -> 
     for order in range(-MOST_LINES, MOST_LINES + 1):
         lines = order * ends / (2.0 * np.pi)
         if order and low <= lines[-1] <= high:
-            axes.plot(RPM * ends, lines, color="white", linewidth=0.5, linestyle=":")
+            axes.plot(RPM * ends, lines, color="black", linewidth=0.6, linestyle=":")
             axes.annotate(
                 f"{order}×".replace("-", "−"),
                 (RPM * ends[-1], lines[-1]),
-                color="white",
+                path_effects=OUTLINE,
                 ha="right",
                 va="bottom",
             )

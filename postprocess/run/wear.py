@@ -249,9 +249,9 @@ def plot_wear_lobes(data: xr.Dataset) -> Figure:
     axes = figure.subplots()
     axes.bar(data["lobes"].values, 100 * data["lobe_share"].values)
     axes.set(xlabel="lobes", ylabel="share of the variance [%]", ylim=(0, 100))
-    if shape := float(data.attrs["shape_share"]):
-        axes.set_title(f"beside the {shape:.0%} of the variance that follow the wall's shape")
-    head(figure, data)
+    shape = float(data.attrs["shape_share"])
+    words = [f"without the {shape:.0%} of the variance that follow the wall's shape"]
+    head(figure, data, *words[: shape > 0.0])
     return figure
 
 

@@ -9,11 +9,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades, spaced
-from bladewhirl.postprocess.plotting.style import COLOURS, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, OUTLINE, styled
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, key_edges
@@ -38,7 +37,6 @@ LINES: Mapping[str, tuple[str, Any, bool]] = {
 their frequencies. Engine orders are dotted."""
 
 #: black outline that makes white lines and letters legible on every colour of a map
-OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 INSIDE = 0.75  #: engine orders are named within this fraction of the height of the axes
 LATE = 0.9  #: a line that stays inside the map is named at this fraction of its length
 
@@ -161,7 +159,7 @@ def _draw_order(axes: Axes, place: Array, level: Array, order: int, limit: float
     seen = np.flatnonzero(np.isfinite(level) & (np.abs(level) <= INSIDE * limit))
     if not seen.size:
         return
-    axes.plot(place, level, color="white", linestyle=":", linewidth=0.8, path_effects=OUTLINE)
+    axes.plot(place, level, color="black", linestyle=":", linewidth=0.8, path_effects=OUTLINE)
     height = np.abs(level)
     leaves = seen[-1] + 1 < len(place)
     ends = slice(seen[-1], seen[-1] + 2)
@@ -170,7 +168,7 @@ def _draw_order(axes: Axes, place: Array, level: Array, order: int, limit: float
     axes.annotate(
         f"{order:+d}Ω".replace("+1Ω", "+Ω").replace("-1Ω", "-Ω").replace("-", "−"),
         (at, np.sign(order) * INSIDE * limit if leaves else level[late]),
-        color="white",
+        color="black",
         ha="center",
         va="center",
         path_effects=OUTLINE,

@@ -13,10 +13,9 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades
-from bladewhirl.postprocess.plotting.style import styled
+from bladewhirl.postprocess.plotting.style import OUTLINE, styled
 from bladewhirl.postprocess.sweep.dataset import DIRECTION
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_edges, plot_quantities
-from bladewhirl.postprocess.sweep.frequency_map import OUTLINE
 from bladewhirl.postprocess.sweep.quantities import along, need_a_grid
 from bladewhirl.postprocess.sweep.rows import plot_rows
 
@@ -114,7 +113,7 @@ def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> Quad
     hertz = 1e-3 if one["frequency"].attrs["units"] == "kHz" else 1.0
     turning = hertz * np.abs(one["rotation_speed"].values) / (2.0 * np.pi)
     for order in ORDERS:
-        axes.plot(place, order * turning, ":", color="white", linewidth=0.6)
+        axes.plot(place, order * turning, ":", color="black", linewidth=0.6, path_effects=OUTLINE)
     for natural in one["natural_frequency"].values.T:
-        axes.plot(place, hertz * natural, "--", color="white", linewidth=0.6, path_effects=OUTLINE)
+        axes.plot(place, hertz * natural, "--", color="black", linewidth=0.6, path_effects=OUTLINE)
     return picture

@@ -135,9 +135,10 @@ def test_speed_label() -> None:
 def test_the_name_comes_first_and_the_speed_next() -> None:
     _, lines = headed("Fan stage", "1 to", "2 s")
     assert lines == ["Fan stage", "Ω/ω₁ = 1.05 (752 rpm), 1 to, 2 s"]
-    _, (line,) = headed("", "words that are too long for a line with the speed of a figure")
-    assert line.startswith("Ω/ω₁ = 1.05 (752 rpm), words")
-    assert line.endswith(" …")
+    figure, lines = headed("", "words that are too long for a line with the speed of a figure")
+    assert lines[0].startswith("Ω/ω₁ = 1.05 (752 rpm), words")
+    assert lines[1].endswith("speed of a figure")
+    assert figure.get_figheight() > headed("")[0].get_figheight()
 
 
 @pytest.mark.parametrize(
