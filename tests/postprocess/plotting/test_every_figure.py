@@ -2,6 +2,7 @@
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import xarray as xr
 from legible import assert_legible
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import with_values
@@ -23,7 +25,7 @@ COATING = {"thickness": 2e-3, "young_modulus": 1e9, "yield_stress": 1e6, "harden
 TIMING = {"type": "tip-timing", "name": "btt", "probes": [0.0], "sampling_rate": 80e6}
 SENSORS = [TIMING, {"type": "wall", "angle": 1.0, "sampling_rate": 5e3}]
 
-RUNS = {  # name: example, values
+RUNS: dict[str, tuple[str, dict[str, Any]]] = {  # name: example, values
     "beams": (
         "casing_distortion",
         {
@@ -78,7 +80,8 @@ def check(run: str, name: str, width: float) -> None:
         stored = np.asarray(data[STORED[name]].values, dtype=float)
         stored = stored[-1] if name == "wear-tracks" else stored.T
         shown = [part for axes in figure.axes for part in axes.findobj(QuadMesh)]
-        values = shown[0].get_array() if shown else figure.axes[0].patches[0].get_data().values
+        lines = [part for axes in figure.axes for part in axes.findobj(StepPatch)]
+        values = shown[0].get_array() if shown else lines[0].get_data()[0]
         seen = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan).reshape(stored.shape)
         factor = np.nanmax(np.abs(seen)) / np.nanmax(np.abs(stored))
         assert np.log10(factor) == pytest.approx(round(np.log10(factor)))  # a unit
