@@ -44,5 +44,13 @@ for (const picture of document.querySelectorAll("img[data-hover]")) {
     tip.style.left = `${Math.min(event.clientX + 14, innerWidth - tip.offsetWidth - 8)}px`;
     tip.style.top = `${Math.min(event.clientY + 14, innerHeight - tip.offsetHeight - 8)}px`;
   });
+  picture.addEventListener("click", event => { // on a map of points that have pages
+    const seen = picture.getBoundingClientRect();
+    const [x, y] = [(event.clientX - seen.left) / seen.width * 10000, (event.clientY - seen.top) / seen.height * 10000];
+    const panel = panels.find(({ box: [l, t, r, b], links }) => links && l <= x && x <= r && t <= y && y <= b);
+    const [map] = panel ? panel.maps.slice(-1) : [];
+    const link = map && panel.links[cellOf(map.y, y)]?.[cellOf(map.x, x)];
+    if (link) location.href = link;
+  });
   picture.addEventListener("pointerleave", () => { tip.style.display = "none"; });
 }

@@ -5,7 +5,7 @@ security policy of the page forbids loading of other files.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -55,6 +55,7 @@ class PageTable(Block):
     head: Sequence[str] = ()
     numbers: bool = False  #: true if all columns after the first contain numbers
     marked: int | None = None  #: number of the highlighted row
+    links: Mapping[int, str] = field(default_factory=dict)  #: pages of rows by their numbers
 
 
 @dataclass(frozen=True, kw_only=True)

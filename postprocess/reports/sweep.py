@@ -45,6 +45,7 @@ def sweep_report(
     failures: Sequence[tuple[str, str]] = (),
     *,
     name: str = "",
+    links: Mapping[int, str] | None = None,
 ) -> page.Page:
     """Return the report of a sweep, for `page.write_page`.
 
@@ -55,6 +56,7 @@ def sweep_report(
         provenance: provenance of the sweep.
         failures: values of the swept keys, and reason, of each failed point.
         name: name of the sweep, such as its folder.
+        links: reports of points by the numbers of the points.
     """
     state = dataset["state"].values
     done, failed = int((state == "done").sum()), int((state == "failed").sum())
@@ -72,7 +74,8 @@ def sweep_report(
         table = page.PageTable(name="failures", title="Failed points", head=head, rows=failures)
         blocks["points"].append(table)
     if points is not None:
-        blocks["points"].append(_point_table(points))
+        blocks["points"].append(_point_table(points, links or {}))
+        blocks["motion"] = [_linked(block, points, links or {}) for block in blocks["motion"]]
     blocks["regimes"].append(criterion_table())
     titles = ("Regimes", "Frequencies", "Motion and contact", "Points")
     sections = [
@@ -111,7 +114,9 @@ def _points(dataset: xr.Dataset) -> xr.Dataset:
     """Return the quantities of every point, with dimensions as in `sweep.quantities`; the swept
     keys are in convenient units."""
     largest, what = largest_motion(dataset)
-    names = ["regime", largest, "growth_rate", "growth_error", "end_time"]
+    names = ["regime", largest, "growth_rate", "growth_error", "end_time", "number"]
+    numbers = np.arange(dataset["state"].size).reshape(dataset["state"].shape)
+    dataset = dataset.assign(number=(dataset["state"].dims, numbers))
     names += [SCREENED] if SCREENED in dataset else []
     points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (points["contact_share"] > 0).sum("blade")
@@ -228,7 +233,21 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
 
-def _point_table(points: xr.Dataset) -> page.PageTable:
+def _linked(block: page.Block, points: xr.Dataset, links: Mapping[int, str]) -> page.Block:
+    """Return a block; points of the interaction map over two keys open their reports."""
+    if not links or block.name != "interaction" or not isinstance(block, page.ReportFigure):
+        return block
+    numbers = points["number"].values.astype(int)  # (value of the other key, key)
+    pages = [[links.get(number) for number in row] for row in numbers.tolist()]
+    hover = [
+        {**panel, "links": pages} if np.shape(each["values"]) == numbers.shape else panel
+        for panel in block.hover
+        for each in panel["maps"][-1:]
+    ]
+    return replace(block, hover=hover)
+
+
+def _point_table(points: xr.Dataset, links: Mapping[int, str]) -> page.PageTable:
     key = points[str(points.attrs["along"])]
     listed, others = table_keys(points), other_keys(points)
     column = {str(name): points[name].values for name in points.data_vars}
@@ -264,6 +283,7 @@ def _point_table(points: xr.Dataset) -> page.PageTable:
             "end [s]",
         ),
         rows=rows[:MOST_POINTS],
+        links={row: links[n] for row, n in enumerate(column["number"].ravel()) if n in links},
         numbers=True,
         folded=True,
     )

@@ -220,7 +220,8 @@ def report(
     folder is replaced.
 
     Args:
-        directory: Folder of a run or a sweep, finished or not.
+        directory: Folder of a run or a sweep, finished or not; or the history of a point of a
+            sweep, to whose report that of the sweep then links.
         output: File to write; by default DIR/report.html.
     """
     from bladewhirl.files import check_file

@@ -30,6 +30,7 @@ CONTACT_FIGURES = ("contact-nodes", "tips", "wear-tracks")
 SENSORS_NAME = "sensors.nc"
 WEAR_NAME = "wear.csv"  #: profile of the coating at the end
 REPORT_NAME = "report.html"
+HISTORIES_NAME = "histories"  #: name of the folder of full histories of a sweep
 FAILURES_NAME = "failures.json"  #: file with the failed points of a sweep, and the reasons
 
 PICTURES = {

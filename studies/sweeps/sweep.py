@@ -43,8 +43,6 @@ from bladewhirl.studies.sweeps.store import Store, create
 from bladewhirl.studies.sweeps.table import Columns, point_table
 from bladewhirl.studies.sweeps.workers import process_context
 
-HISTORIES_NAME = "histories"  #: name of the folder of full histories
-
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
@@ -226,7 +224,7 @@ def _carry_out(
     from bladewhirl.postprocess.sweep.figures import leave_figures
 
     began = time.perf_counter()
-    histories = directory.absolute() / HISTORIES_NAME
+    histories = directory.absolute() / folder.HISTORIES_NAME
     states = directory.absolute() / STATES_NAME
     if plan.histories:
         histories.mkdir(exist_ok=True)

@@ -61,7 +61,7 @@ class Parsed(HTMLParser):
 
     def outside(self) -> list[str]:
         """What a browser would have to load from elsewhere."""
-        own = r"#[\w-]+$|data:image/png;base64,"
+        own = r"#[\w-]+$|data:image/png;base64,|histories/point_\d+\.html$"
         loading = [tag for tag in self.tags if tag in ("link", "object", "embed", "base")]
         imported = re.findall(r"url\(|@import", self.styles)
         return [*(text for text in self.references if not re.match(own, text)), *loading, *imported]

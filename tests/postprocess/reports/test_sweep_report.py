@@ -7,8 +7,10 @@ import h5py
 import numpy as np
 import pytest
 from report_pages import Parsed, reported
+from synthetic_result import synthetic_result
 from synthetic_sweep import synthetic_sweep
 
+import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
@@ -85,6 +87,23 @@ def test_two_keys_and_a_missing_point(tmp_path: Path) -> None:
     assert "Growth rates ± 2 standard errors." in words
     settings = "--set march.speed=VALUE --set casing.clearance=VALUE"
     assert f"{settings} (in SI units, or with a unit) repeats a point" in words
+
+
+@pytest.mark.slow
+def test_points_open_their_reports(tmp_path: Path) -> None:
+    """Of a kept history: from its row in the table, and from its cell of the interaction map."""
+    over = {"march.speed": (1.2, 1.0), "casing.clearance": (5e-4, 1e-3)}
+    motions = [{"speed": REFERENCE, "shaft_radius": 1.3e-3, "records": 60}] * 4
+    folder = synthetic_sweep(tmp_path / "two", over, motions)
+    kept = folder / "histories" / "point_1.nc"
+    kept.parent.mkdir()
+    synthetic_result(**motions[1]).to_netcdf(kept, engine="h5netcdf")  # type: ignore[arg-type]
+    assert bw.report(kept) == kept.with_suffix(".html")
+    page = reported(folder)
+    assert [link for link in page.references if "histories" in link] == ["histories/point_1.html"]
+    (panel, *_) = [each for each in page.values["interaction"] if "links" in each]
+    # The second clearance; the first speed is the larger one.
+    assert panel["links"] == [[None, None], [None, "histories/point_1.html"]]
 
 
 def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:

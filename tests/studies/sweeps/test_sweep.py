@@ -24,7 +24,7 @@ from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.sweep.digest import late_motion
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.runs import folder as run_folder
-from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
+from bladewhirl.studies.runs.folder import FAILURES_NAME, HISTORIES_NAME, read_failures
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
@@ -34,7 +34,7 @@ from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.marching import march_points
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Failure, Point, Work
-from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
+from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
