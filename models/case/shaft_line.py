@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, StrictStr
 
+from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Table
 
@@ -137,6 +138,13 @@ class Wheel(Table):
     turns with the wheel it destabilises forward whirl above its critical speed."""
 
 
+class FurtherWheel(Wheel):
+    """A wheel of a superelement of its own."""
+
+    superelement: SuperelementTable
+    """File of the wheel, with hub_dofs: { file = "second.npz" }."""
+
+
 class AxialSpring(Table):
     """A spring between the shaft and the ground along z."""
 
@@ -179,6 +187,12 @@ class ShaftLine(Table):
     wheel: Wheel | None = Field(default=None, examples=['{ position = "1.5 m" }'])
     """Wheel of [bladed_disk.superelement], whose file has hub_dofs: { position = "1.5 m", unknowns
     = "six", damping_ratio = 0 }."""
+    wheels: Annotated[
+        tuple[FurtherWheel, ...],
+        fields.rows('{ position = "0.3 m", superelement = { file = "second.npz" } }'),
+    ] = ()
+    """Further wheels, rows of { position = "0.3 m", unknowns = "six", superelement = { file =
+    "second.npz" } }."""
     axial: AxialSpring | None = Field(
         default=None, examples=['{ position = 0, stiffness = "10 MN/m" }']
     )
@@ -205,7 +219,7 @@ class ShaftLine(Table):
         """Keys of the positions that are not on the shaft."""
         return [
             f"{key}.{number}.position"
-            for key in ("disks", "bearings", "unbalance")
+            for key in ("disks", "bearings", "unbalance", "wheels")
             for number, row in enumerate(getattr(self, key))
             if not self._carries(row.position)
         ] + [key for key, place in self._single.items() if not self._carries(place)]
@@ -226,15 +240,26 @@ class ShaftLine(Table):
 
     @property
     def positions(self) -> tuple[float, ...]:
-        """Positions of disks, bearings, unbalances, wheel, axial spring and drive [m]."""
-        rows: tuple[RigidDisk | Bearing | Unbalance, ...]
-        rows = (*self.disks, *self.bearings, *self.unbalance)
+        """Positions of disks, bearings, unbalances, wheels, axial spring and drive [m]."""
+        rows: tuple[RigidDisk | Bearing | Unbalance | Wheel, ...]
+        rows = (*self.disks, *self.bearings, *self.unbalance, *self.wheels)
         return (*(each.position for each in rows), *self._single.values())
 
     @property
-    def wheels(self) -> tuple[Wheel, ...]:
-        """Wheels of solids."""
-        return () if self.wheel is None else (self.wheel,)
+    def every_wheel(self) -> tuple[Wheel, ...]:
+        """Wheels of solids, first that of [bladed_disk]."""
+        return self.wheels if self.wheel is None else (self.wheel, *self.wheels)
+
+    @property
+    def doubled(self) -> list[str]:
+        """Keys of the positions of wheels at the place of an earlier one."""
+        slack, places = 1e-9 * (self.end - self.start), [one.position for one in self.every_wheel]
+        first = len(places) - len(self.wheels)
+        return [
+            f"wheels.{row}.position"
+            for row, wheel in enumerate(self.wheels)
+            if any(abs(wheel.position - other) <= slack for other in places[: first + row])
+        ]
 
     @property
     def supports(self) -> int:

@@ -40,7 +40,7 @@ class SortedModes:
 def axial_modes(line: LineModel, omega: float) -> AxialModes:
     """Return the modes of a line with a wheel of six unknowns at a speed [rad/s]; none of other
     lines."""
-    if line.wheel is None or line.wheel.axial is None:
+    if all(wheel.axial is None for wheel in line.wheels):
         return AxialModes(eigenvalue=np.zeros(0, np.complex128), direction=())
     mass, drag, stiffness, along, about, _ = axial_matrices(line, omega)
     one = np.eye(len(mass))
@@ -76,15 +76,15 @@ class AxialMatrices(NamedTuple):
     stiffness: FloatArray
     along: IntArray  #: numbers of the displacements
     about: IntArray  #: numbers of the rotations
-    wheel: FloatArray  #: coordinates of the wheel as rows on the unknowns
+    wheels: tuple[FloatArray, ...]
+    """Coordinates of each wheel of six unknowns as rows on the unknowns."""
 
 
 def axial_matrices(line: LineModel, omega: float) -> AxialMatrices:
-    """Return the matrices of a line with a wheel of six unknowns at a speed [rad/s]."""
-    assert line.wheel is not None
-    assert line.wheel.axial is not None
-    shaft, table, wave = line.shaft, line.table, line.wheel.axial
-    count, size = len(shaft.node), 2 * len(shaft.node) + wave.size - 2
+    """Return the matrices of a line with wheels of six unknowns at a speed [rad/s]."""
+    shaft, table, count = line.shaft, line.table, len(line.shaft.node)
+    waves = [(wheel.node, wheel.axial) for wheel in line.wheels if wheel.axial is not None]
+    size = 2 * count + sum(wave.size - 2 for _, wave in waves)
     mass, drag, stiffness = np.zeros((3, size, size))
     area = np.pi / 4.0 * (shaft.outer**2 - shaft.inner[:, None] ** 2)
     polar = np.pi / 32.0 * (shaft.outer**4 - shaft.inner[:, None] ** 4)
@@ -105,13 +105,16 @@ def axial_matrices(line: LineModel, omega: float) -> AxialMatrices:
         node = line.node(disk.position)
         mass[node, node] += disk.mass
         mass[count + node, count + node] += disk.polar_inertia
-    own = np.concatenate(
-        [[line.wheel.node, count + line.wheel.node], 2 * count + np.arange(wave.size - 2)]
-    )
-    rows = np.ix_(own, own)
-    mass[rows] += wave.mass.real
-    drag[rows] += wave.drag(omega).real
-    stiffness[rows] += wave.stiffness_at(omega).real
+    first, coordinates = 2 * count, []
+    for node, wave in waves:
+        amplitudes = np.arange(first, first + wave.size - 2)
+        own = np.concatenate([[node, count + node], amplitudes])
+        rows = np.ix_(own, own)
+        mass[rows] += wave.mass.real
+        drag[rows] += wave.drag(omega).real
+        stiffness[rows] += wave.stiffness_at(omega).real
+        first += wave.size - 2
+        coordinates.append(own)
     drive = line.node(table.start if table.drive_position is None else table.drive_position)
     held = [count + drive]
     if table.axial is None:
@@ -127,5 +130,5 @@ def axial_matrices(line: LineModel, omega: float) -> AxialMatrices:
         stiffness=stiffness[chosen],
         along=np.flatnonzero(free < count),
         about=np.flatnonzero((free >= count) & (free < 2 * count)),
-        wheel=np.eye(size)[own][:, free],
+        wheels=tuple(np.eye(size)[own][:, free] for own in coordinates),
     )

@@ -29,7 +29,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft_line import Matrix2, Segment, ShaftLine, Unbalance
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.shaft_line.elements import RoundElements, cowper, shaft_matrices
-from bladewhirl.models.shaft_line.wheel import WheelOnLine, wheel_on_line
+from bladewhirl.models.shaft_line.wheel import WheelOnLine, wheels_on_line
 from bladewhirl.models.superelements.joined import range_of
 
 SAME_PLACE = 1e-9  #: positions that differ by less, as a fraction of the length, are one node
@@ -42,7 +42,7 @@ held, as a fraction of the largest one."""
 @dataclass(frozen=True, kw_only=True)
 class LineModel:
     """A shaft line with n complex unknowns: deflection and slope of each node, then supports, then
-    amplitudes of the wheel."""
+    amplitudes of wheels."""
 
     case: Case
     shaft: RoundElements
@@ -56,7 +56,7 @@ class LineModel:
     """Displacement of the shaft relative to ground or support at each bearing, as rows on the
     unknowns, (bearings, n)."""
 
-    wheel: WheelOnLine | None = None
+    wheels: tuple[WheelOnLine, ...] = ()
 
     @property
     def table(self) -> ShaftLine:
@@ -104,9 +104,9 @@ class LineModel:
         loss = self.table.loss_time * self.shaft_stiffness
         drag = self.damping[0] + loss - 1j * omega * self.polar
         stiffness = self.shaft_stiffness + self.stiffness[0] - 1j * omega * loss
-        if self.wheel is not None:
-            rows = np.ix_(self.wheel.unknowns, self.wheel.unknowns)
-            _, by_velocity, by_place = self.wheel.whirling.turning(omega)
+        for wheel in self.wheels:
+            rows = np.ix_(wheel.unknowns, wheel.unknowns)
+            _, by_velocity, by_place = wheel.whirling.turning(omega)
             drag[rows] += by_velocity
             stiffness[rows] += by_place
         return self.mass, drag, stiffness
@@ -195,7 +195,7 @@ def line_model(case: Case, highest: float = 0.0) -> LineModel:
         CaseError: the bearings do not hold the line, or the wheel has no hub.
     """
     line = _model(case, 0.0)
-    if line.wheel is not None and (top := range_of(max(abs(line.speed), highest))):
+    if line.wheels and (top := range_of(max(abs(line.speed), highest))):
         return _model(case, top)
     return line
 
@@ -206,11 +206,8 @@ def _model(case: Case, highest: float) -> LineModel:
     shaft = _elements(case, table)
     plane = shaft_matrices(shaft)
     held = len(plane.stiffness) + table.supports
-    wheel = None
-    if table.wheel is not None:
-        node = int(np.abs(shaft.node - table.wheel.position).argmin())
-        wheel = wheel_on_line(case, highest, node, held)
-    size = held if wheel is None else max(held, int(wheel.unknowns.max()) + 1)
+    wheels = wheels_on_line(case, highest, shaft.node, held)
+    size = max([held, *(int(wheel.unknowns.max()) + 1 for wheel in wheels)])
     square = 2 * [slice(len(plane.stiffness))]
     mass: Any
     mass, polar, stiffness = np.zeros((3, size, size))
@@ -239,7 +236,7 @@ def _model(case: Case, highest: float) -> LineModel:
         _add(springs, bearing.stiffness, row)
         _add(springs, bearing.tilt_stiffness, tilt)
         _add(dampers, bearing.damping, row)
-    if wheel is not None:
+    for wheel in wheels:
         own = np.zeros((size, size), np.complex128)
         own[np.ix_(wheel.unknowns, wheel.unknowns)] = wheel.whirling.mass
         mass = mass + own
@@ -247,7 +244,7 @@ def _model(case: Case, highest: float) -> LineModel:
         case=case,
         shaft=shaft,
         mass=mass,
-        wheel=wheel,
+        wheels=wheels,
         polar=polar,
         shaft_stiffness=stiffness,
         stiffness=(springs[0], springs[1]),

@@ -34,39 +34,39 @@ class OrderMotion:
 def moves_line(line: LineModel, order: int) -> bool:
     """Return whether forces of an engine order on the blades move the line."""
     blades = _blades(line)
-    assert line.wheel is not None
     sideways = (order + 1) % blades == 0 or (order - 1) % blades == 0
-    return sideways or (order % blades == 0 and line.wheel.axial is not None)
+    return sideways or (order % blades == 0 and line.wheels[0].axial is not None)
 
 
 def order_motion(line: LineModel, omega: float, load: EngineOrder, order: int) -> OrderMotion:
-    """Return the motion by forces of an engine order that move the line, at a speed [rad/s].
+    """Return the motion by forces of an engine order on the wheel of [bladed_disk] that move the
+    line, at a speed [rad/s].
 
     Raises:
         LinAlgError: their frequency is that of a mode without damping.
     """
-    assert line.wheel is not None
+    wheel = line.wheels[0]
     assert isinstance(load.phase, float)
     blades, nodes = _blades(line), slice(0, 2 * len(line.position), 2)
     still = np.zeros(len(line.position), np.complex128)
     if order % blades == 0:
-        axial = line.wheel.axial
+        axial = wheel.axial
         assert axial is not None
         rows, force = _forces(line, axial, load, order, sign=1)
         parts = axial_matrices(line, omega)
         rate = order * omega
         dynamic = parts.stiffness + 1j * rate * parts.damping - rate**2 * parts.mass
-        own = parts.wheel @ solved(dynamic, parts.wheel.T @ force)
+        own = parts.wheels[0] @ solved(dynamic, parts.wheels[0].T @ force)
         tip = np.stack([rows @ own, np.zeros(2)])
         return OrderMotion(
             tip=tip, forward=still, backward=still, axial=complex(own[0]), torsion=complex(own[1])
         )
     sign = 1 if (order + 1) % blades == 0 else -1
-    rows, own_force = _forces(line, line.wheel.whirling, load, order, sign=sign)
+    rows, own_force = _forces(line, wheel.whirling, load, order, sign=sign)
     force = np.zeros(line.size, np.complex128)
-    force[line.wheel.unknowns] = own_force / 2.0
+    force[wheel.unknowns] = own_force / 2.0
     ahead, back = driven(line, omega, (sign * order + 1) * omega, force)
-    tip = np.stack([rows @ each[line.wheel.unknowns] for each in (ahead, back)])
+    tip = np.stack([rows @ each[wheel.unknowns] for each in (ahead, back)])
     left, right = ahead[nodes], back[nodes]
     if sign * order + 1 < 0:
         left, right = right, left

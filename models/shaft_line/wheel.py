@@ -1,4 +1,4 @@
-"""The wheel of a case on its shaft line."""
+"""The wheels of a case on its shaft line."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -6,9 +6,10 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_at
+from bladewhirl.models.case.shaft_line import Wheel
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.shaft_line.hub_waves import HubWave, hub_waves
@@ -30,33 +31,47 @@ class WheelOnLine:
     diametral_inertia: float  #: that about a diameter through the centre of mass [kg m2]
 
 
-def wheel_on_line(case: Case, highest: float, node: int, following: int) -> WheelOnLine:
-    """Return the wheel of a case.
+def wheels_on_line(
+    case: Case, highest: float, nodes: FloatArray, following: int
+) -> tuple[WheelOnLine, ...]:
+    """Return the wheels of a case, first that of [bladed_disk].
 
     Args:
-        case: case with shaft_line.wheel.
+        case: case with a shaft line.
         highest: highest speed [rad/s].
-        node: number of the node of its hub.
-        following: number of its first unknown that is not one of the node.
+        nodes: positions of the nodes of the shaft [m].
+        following: number of the first unknown that is not one of a node or a support.
 
     Raises:
-        CaseError: the superelement is not a wheel with a hub.
+        CaseError: a superelement is not a wheel with a hub.
     """
-    table = case.bladed_disk.superelement
-    assert table is not None
-    assert case.shaft_line is not None
-    assert case.shaft_line.wheel is not None
-    try:
-        waves = _waves(table, highest, *table.stamp)
-    except SuperelementError as error:
-        raise CaseError(faults_at(case, f"{SOURCE}.file", error)) from None
-    unknowns, whirling = case.shaft_line.wheel.unknowns, waves[1]
+    line, found = case.shaft_line, list[WheelOnLine]()
+    assert line is not None
+    tables = [] if line.wheel is None else [(SOURCE, case.bladed_disk.superelement, line.wheel)]
+    tables += [
+        (f"shaft_line.wheels.{row}.superelement", wheel.superelement, wheel)
+        for row, wheel in enumerate(line.wheels)
+    ]
+    for key, table, wheel in tables:
+        assert table is not None
+        try:
+            waves = _waves(table, highest, *table.stamp)
+        except SuperelementError as error:
+            raise CaseError(faults_at(case, f"{key}.file", error)) from None
+        node = int(np.abs(nodes - wheel.position).argmin())
+        found.append(_on_line(wheel, waves, node, following))
+        following += waves[1].size - 2
+    return tuple(found)
+
+
+def _on_line(wheel: Wheel, waves: dict[int, HubWave], node: int, following: int) -> WheelOnLine:
+    """Return a wheel on a node, whose amplitudes are the unknowns from a number on."""
+    waves = {k: _damped(wave, wheel.damping_ratio) for k, wave in waves.items()}
+    unknowns, whirling = wheel.unknowns, waves[1]
     free = 1 if unknowns == "two" else 2
     kept = np.delete(np.arange(whirling.size), slice(free, 2))
     amplitudes = following + np.arange(whirling.size - 2)
     (mass, arm), (_, tilting) = whirling.mass[:2, :2].real.tolist()
-    waves = {k: _damped(wave, case.shaft_line.wheel.damping_ratio) for k, wave in waves.items()}
-    whirling = waves[1]
     return WheelOnLine(
         mass=mass,
         offset=arm / mass,

@@ -242,10 +242,10 @@ def response(
     The case needs excitation.type = "engine-order", or unbalances of a shaft line. The equations
     of motion of the time integration, with damping, mistuning and rotation effects, are solved for
     the complex amplitude at each speed. The table lists the peaks of each engine order; the figure
-    shows the amplitudes of all blades and of nodal diameters against the speed. A blade with several contact
-    nodes moves by their mean. With --draws, the table and the figure show how much mistuning
-    amplifies the largest peak of the tuned blades, for random patterns of the stiffness of blades
-    (bladed_disk.mistuning.stiffness_spread). With --json and no -o nothing is written.
+    shows the amplitudes of all blades and of nodal diameters against the speed. A blade with
+    several contact nodes moves by their mean. With --draws, the table and the figure show how much
+    mistuning amplifies the largest peak of the tuned blades, for random patterns of the stiffness
+    of blades (bladed_disk.mistuning.stiffness_spread). With --json and no -o nothing is written.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is

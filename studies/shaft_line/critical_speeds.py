@@ -39,7 +39,7 @@ def line_critical_speeds(case: Case, *, count: int = 4) -> xr.Dataset:
         CaseError: the bearings do not hold the line.
     """
     line = line_model(case)
-    if line.wheel is not None:
+    if line.wheels:
         highest = whirl_of.line_modes(line, 0.0, count).eigenvalue.imag.max()
         line = line_model(case, float(highest))
     found = whirl_of.line_critical_speeds(line, count)

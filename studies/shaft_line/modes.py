@@ -104,7 +104,7 @@ def places(line: LineModel) -> dict[str, Any]:
         "bearing_position": [each.position for each in table.bearings],
         "disk_position": [
             *(one.position for one in table.disks),
-            *(one.position for one in table.wheels),
+            *(one.position for one in table.every_wheel),
         ],
     }
 

@@ -80,7 +80,11 @@ def line_order_response(case: Case, *, speeds: FloatArray) -> xr.Dataset:
             "speed": quantity("speed", speeds * 30.0 / np.pi, "rpm", "speed of rotation"),
             "position": quantity("position", line.position, "m", "position along the shaft"),
         },
-        attrs={"title": case.title} | places(line),
+        attrs={
+            "title": case.title,
+            "hub_position": float(line.position[line.wheels[0].node]),
+            **places(line),
+        },
     )
 
 
@@ -114,7 +118,7 @@ def report(computed: xr.Dataset) -> Study:
         amplitude = np.hypot(own["tip_radial"].values, own["tip_tangential"].values)
         most = int(amplitude.argmax())
         at = own.isel(speed=most)
-        hub = at["deflection"].sel(position=computed.attrs["disk_position"][-1], method="nearest")
+        hub = at["deflection"].sel(position=computed.attrs["hub_position"], method="nearest")
         rows.append(
             {
                 "order": order,

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 PROPERTIES = (
-    Column("mass", "mass with disks and wheel, without supports [kg]", ".6g"),
+    Column("mass", "mass with disks and wheels, without supports [kg]", ".6g"),
     Column("shaft_mass", "mass of the shaft [kg]", ".6g"),
     Column("polar_inertia", "polar inertia [kg m2]", ".6g"),
     Column("centre_of_mass", "centre of mass along the shaft [m]", ".6g"),
@@ -22,11 +22,12 @@ PROPERTIES = (
     Column("speed.rpm", "speed [rpm]", ".6g"),
     Column("largest_sag", "largest sag [mm]", ".4g", 1e3),
 )
-WHEEL = (
-    Column("wheel.mass", "mass of the wheel [kg]", ".6g"),
-    Column("wheel.polar_inertia", "its polar inertia [kg m2]", ".6g"),
-    Column("wheel.diametral_inertia", "its diametral inertia [kg m2]", ".6g"),
-    Column("wheel.centre_of_mass", "its centre of mass along the shaft [m]", ".6g"),
+WHEELS = (
+    Column("position", "wheel at [m]", ".4g"),
+    Column("mass", "mass [kg]", ".6g"),
+    Column("polar_inertia", "polar inertia [kg m2]", ".6g"),
+    Column("diametral_inertia", "diametral inertia [kg m2]", ".6g"),
+    Column("centre_of_mass", "centre of mass [m]", ".6g"),
 )
 BEARINGS = (
     Column("name", "bearing"),
@@ -51,7 +52,7 @@ def properties(case: Case) -> tuple[dict[str, Any], "list[Table]"]:
     moved_aside, tilted = np.zeros((2, line.size))
     moved_aside[node] = 1.0
     tilted[node], tilted[1 : 2 * len(line.position) : 2] = line.position, 1.0
-    mass, wheel = float((moved_aside @ line.mass @ moved_aside).real), line.wheel
+    mass = float((moved_aside @ line.mass @ moved_aside).real)
     document: dict[str, Any] = {
         "mass": mass,
         "shaft_mass": mass - sum(each.mass for each in line.table.disks),
@@ -61,18 +62,21 @@ def properties(case: Case) -> tuple[dict[str, Any], "list[Table]"]:
         "reference_frequency": {"hz": line.reference_frequency / (2.0 * np.pi)},
         "speed": {"rpm": line.speed * 30.0 / np.pi, "rad_per_s": line.speed},
     }
-    columns: tuple[Column, ...] = PROPERTIES
     tables = []
-    if wheel is not None:
-        columns = (*PROPERTIES, *WHEEL)
-        document["shaft_mass"] -= wheel.mass
-        document["polar_inertia"] += wheel.polar_inertia
-        document["wheel"] = {
-            "mass": wheel.mass,
-            "polar_inertia": wheel.polar_inertia,
-            "diametral_inertia": wheel.diametral_inertia,
-            "centre_of_mass": float(line.position[wheel.node]) + wheel.offset,
-        }
+    if line.wheels:
+        document["shaft_mass"] -= sum(wheel.mass for wheel in line.wheels)
+        document["polar_inertia"] += sum(wheel.polar_inertia for wheel in line.wheels)
+        document["wheels"] = [
+            {
+                "position": (position := float(line.position[wheel.node])),
+                "mass": wheel.mass,
+                "polar_inertia": wheel.polar_inertia,
+                "diametral_inertia": wheel.diametral_inertia,
+                "centre_of_mass": position + wheel.offset,
+            }
+            for wheel in line.wheels
+        ]
+        tables.append(table(document["wheels"], WHEELS, "Wheels"))
     if case.gravity is not None:
         moved = sag(line, line.speed)
         forces = line.bearing_force(moved, np.zeros_like(moved))
@@ -95,4 +99,4 @@ def properties(case: Case) -> tuple[dict[str, Any], "list[Table]"]:
             "y": moved[node].imag.tolist(),
         }
         tables.append(table(document["bearings"], BEARINGS, "Static loads of the bearings"))
-    return document, [facts(texts(document, columns)), *tables]
+    return document, [facts(texts(document, PROPERTIES)), *tables]

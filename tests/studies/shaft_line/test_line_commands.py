@@ -143,7 +143,7 @@ def test_modes_of_a_fan_on_its_shaft_are_listed_and_drawn(fan: Path, tmp_path: P
     assert whirls[:2] == ["backward", "forward"]
     assert "torsional" in whirls
     derived = document("show", fan)["derived"]
-    assert derived["mass"] == pytest.approx(derived["shaft_mass"] + derived["wheel"]["mass"])
+    assert derived["mass"] == pytest.approx(derived["shaft_mass"] + derived["wheels"][0]["mass"])
     loads = sum(row["force_y"] for row in derived["bearings"])
     assert loads == pytest.approx(9.81 * derived["mass"], rel=1e-4)  # blades are displaced
 
