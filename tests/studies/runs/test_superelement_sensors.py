@@ -72,7 +72,10 @@ def test_gauges_of_a_file_are_strained_as_its_points_move(tmp_path: Path) -> Non
     [
         ({"type": "strain", "gauge": 2}, "gauge = 2: expected a gauge from 0 to 1 of each blade"),
         ({"type": "strain", "span": 0.1}, "span = 0.1: expected gauge in place of span"),
-        ({"type": "strain", "span": 0.1, "gauge": 0}, "one of span, element, gauge and point"),
+        (
+            {"type": "strain", "span": 0.1, "gauge": 0},
+            "one of span, element, gauge, point and position",
+        ),
         ({"type": "wall", "angle": 0.0}, 'type = "wall": expected another type for a rigid wall'),
         ({"type": "centre"}, 'type = "centre": expected another type for blades without'),
     ],
