@@ -12,13 +12,22 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
 #: upper edges of the texts, relative to the height of the window
-TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
+TOPS = {
+    "title": 0.97,
+    "time": 0.885,
+    "speed": 0.82,
+    "frame": 0.715,
+    "contact": 0.565,
+    "orbit": 0.475,
+}
 #: upper and lower edge of the colour scale or of the key of colours, relative to the window
 SCALE_TOP, SCALE_FOOT = 0.455, 0.085
 SCALE_WIDTH, SCALE_ASIDE = 0.018, 0.115  #: width of a scale, and distance of two, likewise
@@ -63,6 +72,9 @@ class Panel:
         size = look.enlargement(drawing.exaggeration, normalised=drawing.normalised)
         shown = [f"{drawing.frame} frame", size]
         bar = draw_scale_bar(scene, "" if drawing.normalised else "motion, clearance")
+        lost = lost_blades(dataset)
+        if lost is not None:
+            shown.append(str(dataset.attrs[LOSS]))
         if sheet:
             shown.append(f"bars: {bar}")
         else:
@@ -83,7 +95,7 @@ class Panel:
         self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=look.FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
         films = len(drawing) > 2 and not sheet
-        self._line = TimeLine(scene) if films else None
+        self._line = TimeLine(scene, lost.time if lost else None) if films else None
         self._numbers = BladeNumbers(scene, blade_starts(dataset), LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
@@ -150,9 +162,10 @@ class Orbit:
 
 
 class TimeLine:
-    """Contact force of all blades at the times of a film, with a mark at the picture's time."""
+    """Contact force of all blades at the times of a film, with marks at the picture's time and at
+    the `loss` of a blade [s]."""
 
-    def __init__(self, scene: StageScene) -> None:
+    def __init__(self, scene: StageScene, loss: float | None) -> None:
         drawing, (left, right, low, high) = scene.drawing, LINE
         force, times = drawing.total_force, drawing.times
         share = (times - times[0]) / np.ptp(times)
@@ -166,6 +179,9 @@ class TimeLine:
             add_line(scene.plotter, np.column_stack([across, up]), look.FORCE_COLOUR, 1.5)
         ends = np.array([[self._start, foot], [self._start, top]])
         self._mark = add_line(scene.plotter, ends, look.INK, 3.0)
+        if loss is not None and times[0] <= loss <= times[-1]:
+            at = self._length * (loss - times[0]) / np.ptp(times)
+            add_line(scene.plotter, ends + np.array([at, 0.0]), look.FORCE_COLOUR, 3.0)
         text = f"{1e3 * times[0]:.4g} to {1e3 * times[-1]:.4g} ms"
         if force.any():
             text = f"total force, {text}, up to {handy(float(force.max()), 'N', 3)}"

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.points import Points
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
@@ -89,6 +90,7 @@ def film_page(
                 look.speed_text(dataset),
                 f"{drawing.frame} frame",
                 look.enlargement(drawing.exaggeration),
+                *([str(dataset.attrs[LOSS])] if LOSS in dataset.attrs else []),
                 *drawing.dots,
             ]
         ),

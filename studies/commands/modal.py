@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from bladewhirl.studies.modal.study import Study
 
 # Typer parses these defaults.
-CAMPBELL_SPEEDS: Any = "0:3"
 RESPONSE_SPEEDS: Any = "0.1:2:0.005"
 CHART_SPEEDS: Any = "0.6:3:0.004"
 CHART_KAPPAS: Any = "0:1000:4"
@@ -112,7 +111,7 @@ def modes(
 
 def campbell(
     case: options.CaseFile,
-    speeds: Annotated[options.Span, options.span("--speeds")] = CAMPBELL_SPEEDS,
+    speeds: Annotated[options.Span | None, options.span("--speeds")] = None,
     operating: Annotated[options.Span | None, options.span("--operating")] = None,
     orders: Annotated[str | None, typer.Option(metavar="NUMBERS")] = None,
     families: options.Number = 5,
@@ -135,7 +134,8 @@ def campbell(
     made only if -o names it.
 
     Args:
-        speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm".
+        speeds: Speeds of the diagrams: multiples of ω₁, or "2000 rpm:9000 rpm"; by default to 3, or
+            to thrice the speed of the case if that is lower.
         operating: Operating range to shade and to mark in the table: multiples of ω₁, or
             "40 Hz:60 Hz"; by default none.
         orders: Orders besides those of the case, such as "1,2,6".
@@ -146,23 +146,24 @@ def campbell(
     from bladewhirl.studies.modal import campbell as study
 
     given = {"--operating": operating, "--orders": orders, "--html": html}
+    of_line = speeds or options.Span("--speeds", (0.0, study.WIDEST))
     if found := _of_line(
-        case, overrides, given, "campbell", speeds=speeds.values, families=families
+        case, overrides, given, "campbell", speeds=of_line.values, families=families
     ):
         present(found, case, output, overwrite=overwrite, json=json)
         return
     if html is not None:
         checked_target(html, ".html")
     stage = _model(case, overrides, speeds, families=families)
-    first, last = speeds.values(stage.reference_frequency).tolist()
-    ends = None
-    if operating is not None:
-        ends = tuple(operating.values(stage.reference_frequency).tolist())
+    shown, operated = (
+        None if given is None else tuple(given.values(stage.reference_frequency).tolist())
+        for given in (speeds, operating)
+    )
     diagram = study.campbell(
         stage,
         families=families,
-        speeds=(first, last),
-        operating=ends,
+        speeds=shown,
+        operating=operated,
         orders=_whole_numbers("--orders", orders),
     )
     computed = study.report(diagram, page=html, overwrite=overwrite)

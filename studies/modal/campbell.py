@@ -30,6 +30,10 @@ from bladewhirl.studies.runs.columns import Column, facts, quantity, rows_of, ta
 Interval = tuple[float | str, float | str]
 """First and last speed: each a multiple of the reference frequency, or text such as "2500 rpm"."""
 
+WIDEST = 3.0
+"""Upper end of the diagrams by default, as a multiple of the reference frequency; that of the speed
+of the case if this is lower."""
+
 CASING_FAMILIES = ("rigid", "1F", "2F")  #: families of the casing: rigid motion, bending, extension
 
 
@@ -37,7 +41,7 @@ def campbell(
     case_or_stage: Modelled,
     *,
     families: int = 5,
-    speeds: Interval = (0.0, 3.0),
+    speeds: Interval | None = None,
     operating: Interval | None = None,
     orders: Sequence[int] = (),
 ) -> xr.Dataset:
@@ -81,7 +85,8 @@ def campbell(
         case_or_stage: a case, or its stage; the centre is free or clamped as in the case.
         families: number of families of the bladed disk, without the suspension pair.
         speeds: ends of the diagrams, each a multiple of the reference frequency or text such as
-            "2500 rpm". With rotation effects, coincidences are computed up to the second end only;
+            "2500 rpm"; when None 0 and 3, or thrice the speed of the case if that is lower. With
+            rotation effects, coincidences are computed up to the second end only;
             a mode, such as 1F with nodal diameter 1, can have none below this speed.
         operating: ends of the operating range, in the form of `speeds`; None if it is not known.
         orders: numbers of waves around the wall, besides those of the case.
@@ -94,6 +99,9 @@ def campbell(
     stage = modal_model(case_or_stage, families=families)
     refuse_unequal_bearings("campbell", stage.case, allowed="full")
     reference = stage.reference_frequency
+    if speeds is None:
+        own = abs(stage.speed) / reference
+        speeds = (0.0, WIDEST * min(own or 1.0, 1.0))
     shown = _multiples("speeds", speeds, reference)
     stage = stage.covering(shown[1] * reference)
     operated = UNKNOWN if operating is None else _multiples("operating", operating, reference)
