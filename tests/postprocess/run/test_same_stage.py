@@ -27,6 +27,7 @@ OWN = {
     *("wall_time", "us_per_step", "dt_over_critical", "complementarity_residual"),
     *("energy_residual", "gap_violation_max", "regime_criterion", "work", "reference_frequency"),
     *("shaft_lead", "lead_steadiness", "scenario"),  # of two opposite tips that touch, either one
+    "stress_max",  # is known of beams
 }
 """What each march has of its own, or knows more of."""
 
