@@ -157,7 +157,7 @@ class AxialSpring(Table):
 class ShaftLine(Table):
     """A flexible shaft along z with rigid disks, bearings, supports and unbalances, in place of
     [shaft], with the wheel of [bladed_disk] or without. It has modes, critical speeds, a Campbell
-    diagram, the response to unbalances and sag; it has no march yet."""
+    diagram, the response to unbalances, sag and, without a wheel, a march in time."""
 
     segments: Annotated[
         tuple[Segment, ...],
@@ -208,6 +208,9 @@ class ShaftLine(Table):
     loss_time: fields.TimeOrZero = 0.0
     """Internal damping of the shaft, with the stress E (strain + loss_time d strain / dt) [s]. It
     acts in rotating axes, and destabilises forward whirl above its critical speed."""
+    modes: Annotated[int, fields.count(2)] = 20
+    """Number of modes of the line in each plane that a march keeps: static shapes of forces of the
+    bearings, and the lowest modes without bearings at rest and at the speed."""
 
     @property
     def end(self) -> float:
@@ -272,8 +275,7 @@ class ShaftLine(Table):
 
 
 USED = ("title", "material", "shaft_line", "gravity", "march")
-"""Tables of a case with a shaft line; of [march] only the speed, and with a wheel of [bladed_disk]
-only the superelement."""
+"""Tables of a case with a shaft line, and with a wheel of [bladed_disk] only the superelement."""
 
 
 def beside_line(case: Table) -> list[str]:
@@ -286,7 +288,7 @@ def beside_line(case: Table) -> list[str]:
     }
     if "shaft_line" not in given:
         return []
-    used = {"march": ["speed"]}
+    used = dict[str, list[str]]()
     if given["shaft_line"].wheel is not None:
         used["bladed_disk"] = ["superelement"]
         loads = given.get("excitation", ())
@@ -312,3 +314,5 @@ class Gravity(Table):
         Annotated[float, fields.quantity("m/s2", "any")],
     ] = (0.0, -9.81)
     """Acceleration along x and y of static axes [m/s2]."""
+    start: Literal["sag", "unbent"] = "sag"
+    """State in which a march starts: "sag", the static state under gravity, or "unbent"."""

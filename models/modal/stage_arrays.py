@@ -150,6 +150,15 @@ class StageArrays:
     """Torque of the drive of a free speed [N m]; None if the speed is prescribed."""
     drive_loss: float | None = None
     """Torque of losses of a free speed by speed [N m s]; None if the speed is prescribed."""
+    shaft_position: FloatArray = (
+        absent()
+    )  #: position of each node of a shaft line [m], (shaft nodes,)
+    shaft_radius: FloatArray = absent()  #: its outer radius there [m], (shaft nodes,)
+    shaft_shape: FloatArray = absent()
+    """Deflection and slope of a shaft line in a plane [kg^-1/2], (shaft nodes, 2, modes of a
+    plane)."""
+    bearing_name: tuple[str, ...] = ()  #: name of each bearing of a shaft line, (bearings,)
+    bearing_node: IntArray = absent()  #: its node of the shaft, (bearings,)
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

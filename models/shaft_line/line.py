@@ -75,6 +75,21 @@ class LineModel:
         """Position of each node along z [m], (nodes,)."""
         return self.shaft.node
 
+    @property
+    def outer_radius(self) -> FloatArray:
+        """Outer radius at each node [m], the larger one at a step, (nodes,)."""
+        ends = 0.5 * self.shaft.outer
+        left, right = np.append(ends[:, 0], 0.0), np.append(0.0, ends[:, 1])
+        return np.asarray(np.maximum(left, right))
+
+    @property
+    def polar_inertia(self) -> float:
+        """Polar moment of inertia of shaft and disks [kg m2]."""
+        tilted = np.zeros(self.size)
+        tilted[1 : 2 * len(self.position) : 2] = 1.0
+        tilted[: 2 * len(self.position) : 2] = self.position
+        return float(tilted @ self.polar @ tilted)
+
     def node(self, position: float) -> int:
         """Return the node at a position of the case [m]."""
         return int(np.abs(self.position - position).argmin())
@@ -178,8 +193,8 @@ def refuse_line(case: Case) -> None:
     """
     if case.shaft_line is not None:
         expected = (
-            "not allowed here: it has no blades; a shaft line has modes, campbell, critical-speeds,"
-            " response and show"
+            "not allowed here: it has no blades; a shaft line has run, modes, campbell,"
+            " critical-speeds, response and show"
         )
         raise CaseError([Fault(key="shaft_line", expected=expected)])
 

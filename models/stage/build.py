@@ -12,7 +12,6 @@ from bladewhirl.models.case.plausibility import probable_cause
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.mode_names import ALL
-from bladewhirl.models.shaft_line.line import refuse_line
 from bladewhirl.models.stage.blade_loss import loss_faults
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.build_matrices import build_matrices
@@ -21,6 +20,7 @@ from bladewhirl.models.stage.cone import wall_share
 from bladewhirl.models.stage.contact_problem import ContactProblem, critical_time_step
 from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.fused_support import with_fused_support
+from bladewhirl.models.stage.line import LineStage, build_line
 from bladewhirl.models.stage.loads import initial_state
 from bladewhirl.models.stage.modal_loads import Load
 from bladewhirl.models.stage.speed_change import with_speed_over_time
@@ -48,7 +48,8 @@ def build_stage(given: Buildable, *, blades: bool = False) -> Stage:
     """
     if not isinstance(given, Case):
         return given
-    refuse_line(given)
+    if given.shaft_line is not None:
+        return build_line(given)
     if given.bladed_disk.superelement is None:
         return build_beams(given)
     return build_matrices(given, blades=blades)
@@ -61,6 +62,8 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
         CaseError: time integration is not possible; the error lists all faults of `march_faults`.
             Also raised if loads exceed the range of floating-point numbers.
     """
+    if isinstance(stage, LineStage):
+        return _line_problem(stage, steps=steps)
     case, loads = stage.case, _kept_loads(stage)
     if faults := list(march_faults(stage, loads, steps=steps)):
         raise CaseError(faults)
@@ -71,6 +74,22 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
         if case.blade_loss is not None:
             problem = replace(problem, loss=stage.without_blades(steady, problem))
         return with_fused_support(stage, problem)
+
+
+def _line_problem(stage: LineStage, *, steps: bool) -> ContactProblem:
+    """Return the contact problem of a shaft line.
+
+    Raises:
+        CaseError: the time step is not below the stability limit.
+    """
+    problem, step = stage.problem, stage.case.march.time_step
+    limit = problem.critical_time_step
+    if steps and step >= limit:
+        expected = (
+            f"less than the critical step {limit:.6g} s = 2/omega_max (or {stage.fewer_modes})"
+        )
+        raise CaseError([case_fault(stage.case, "march.time_step", expected)])
+    return problem
 
 
 def steady_problem(stage: Stage) -> ContactProblem:

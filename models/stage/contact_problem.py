@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
+from bladewhirl.models.stage.bearings import Bearings
 from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
@@ -50,6 +51,7 @@ class ContactProblem:
     loads: tuple[Load, ...]
     start: Start
     springs: CouplingSprings | None = None  #: springs between the bodies
+    bearings: Bearings | None = None  #: bearings of a rotor of one copy
     closure: WallClosure | None = None  #: clearance that is lost over time
     coating: WallCoating | None = None  #: abradable coating
     foreshortening: Foreshortening | None = None  #: gaps that open as blades bend
@@ -121,7 +123,8 @@ class ContactProblem:
             ValueError: the energy of free motion need not decay; the message states the reason.
         """
         rotor, casing = self.rotor, self.casing
-        if self.springs is not None or rotor.anisotropy or rotor.circulation:
+        static = self.springs is not None or self.bearings is not None
+        if static or rotor.anisotropy or rotor.circulation:
             raise ValueError("springs or dampers in the static frame can feed energy to the rotor")
         if rotor.by_velocity is not None:
             rates = 2.0 * rotor.damping_ratio * np.abs(rotor.frequency)
@@ -189,7 +192,7 @@ class ContactProblem:
     @property
     def critical_time_step(self) -> float:
         """Stability limit of the time step for central differences [s]."""
-        return critical_time_step(self.rotor, self.casing, self.springs)
+        return critical_time_step(self.rotor, self.casing, self.springs, self.bearings)
 
     def spring_force(self, angle: float, displacement: FloatArray) -> FloatArray:
         """Return the modal forces -K* x on rotor and casing, see `spring_stiffness`, (n,)."""
@@ -253,17 +256,22 @@ class FusedSupport(Aftermath):
 
 
 def critical_time_step(
-    rotor: ReducedRotor, casing: ReducedCasing, springs: CouplingSprings | None
+    rotor: ReducedRotor,
+    casing: ReducedCasing,
+    springs: CouplingSprings | None,
+    bearings: Bearings | None = None,
 ) -> float:
     """Return the stability limit of the time step for central differences, 2 / omega_max [s].
 
-    omega_max is the highest frequency of the bodies including coupling springs. Coriolis forces are
-    neglected: they raise the limit slightly, to omega^2 dt^2 <= 2 + 2 sqrt(1 + (Omega g dt)^2) for
-    an eigenvalue i g of M^-1 G.
+    omega_max is the highest frequency of the bodies including coupling springs and bearings.
+    Coriolis forces are neglected: they raise the limit slightly, to omega^2 dt^2 <= 2 + 2 sqrt(1 +
+    (Omega g dt)^2) for an eigenvalue i g of M^-1 G.
     """
     highest = max(rotor.highest_frequency, casing.frequency.max(initial=0.0))
     if springs is not None:
         highest = max(highest, springs.highest_frequency)
+    if bearings is not None:
+        highest = max(highest, bearings.highest_frequency(rotor.stiffness, casing.frequency**2))
     # Upper bound of the increase of squared frequencies due to unequal bearings.
     increase = abs(rotor.anisotropy) * np.linalg.eigvalsh(rotor.centre @ rotor.centre.T).max()
     return float(2.0 / np.sqrt(highest**2 + increase))

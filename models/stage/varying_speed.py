@@ -95,6 +95,7 @@ class FreeSpeed:
         change: SpeedChange,
         centre: FloatArray,
         motion: tuple[FloatArray, FloatArray, FloatArray],
+        spun: float = 0.0,
     ) -> tuple[float, float, FloatArray]:
         """Return the torque without contact [N m], the acceleration of the rotation [rad/s2], and
         the modal accelerations that it causes, (modes,).
@@ -104,9 +105,10 @@ class FreeSpeed:
             change: matrices that depend on the speed.
             centre: x and y of the centre [kg^-1/2], (2, modes).
             motion: modal displacements, velocities, and accelerations without that of the rotation.
+            spun: torque of bearings [N m].
         """
         x, v, free = motion
-        torque = self.torque - self.loss * speed
+        torque = self.torque - self.loss * speed + spun
         if change.rotor is None:
             return torque, torque / self.inertia, np.zeros(len(x))
         (place, rate), softer = (

@@ -41,8 +41,8 @@ PLOT_DECADES = 6.0  #: number of decades that the plot shows below the largest e
 def strain_energies(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Compute the strain energy of the bladed disk with its shaft springs over time, by groups of
-    modes.
+    """Compute the strain energy of the bladed disk with its shaft springs, or of a shaft line with
+    its bearings, over time, by groups of modes.
 
     In mass-normalised modes 1/2 x^T K x = sum of 1/2 omega_i^2 q_i^2 (the paper's Eq. 22), so each
     mode has its own share and the groups add up to the total.
@@ -88,6 +88,8 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
     remains; the groups are those of the modes before, and the last group has the rest.
     """
     stage = result.variables
+    if "line_energy" in stage:
+        return stage["line_energy"].values[:, None], np.zeros(0, np.int64)
     if "rotor_family" not in stage:
         whole = 0.5 * stage["rotor_frequency"].values[None] ** 2
         energy = reduce_modes(result, "rotor_displacement", whole, np.square)

@@ -36,7 +36,10 @@ def blade_count(dataset: xr.Dataset) -> int:
 
 def of_blades(dataset: xr.Dataset, values: Array, choice: np.ufunc = np.add) -> Array:
     """Return the sum of values (..., contact_node) over the contact nodes of each blade, (...,
-    blade); the smallest or largest value with `numpy.minimum` or `numpy.maximum`."""
+    blade); the smallest or largest value with `numpy.minimum` or `numpy.maximum`. A shaft line
+    without a wheel has no blades."""
+    if not values.shape[-1]:
+        return values
     return np.asarray(choice.reduceat(values, blade_starts(dataset), axis=-1))
 
 
@@ -75,12 +78,16 @@ def contact_motion(dataset: xr.Dataset, direction: int) -> Array:
 def largest_contact_motion(dataset: xr.Dataset) -> Array:
     """Return the largest displacement of each contact node at any record in each direction [m],
     (contact_node, 3)."""
+    if not dataset.sizes["contact_node"]:
+        return np.zeros((0, 3))
     largest = [np.fmax.reduce(np.abs(moved)) for moved in _motions(dataset)]
     return np.asarray(np.fmax.reduce(largest))
 
 
 def largest_displacement(dataset: xr.Dataset) -> float:
     """Return the largest displacement of a contact node at any record [m]."""
+    if not dataset.sizes["contact_node"]:
+        return 0.0
     return max(float(np.nanmax(np.linalg.norm(moved, axis=2))) for moved in _motions(dataset))
 
 

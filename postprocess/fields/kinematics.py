@@ -251,9 +251,10 @@ def smallest_clearance(dataset: xr.Dataset) -> float:
     """Return the smallest clearance plus the smallest `tip_recess` [m]. The clearance is measured
     from the tip radius of the stage; `tip_recess` is the distance by which a tip lies inside this
     radius. Vibration is not included; the static growth of the tips at speed is subtracted if the
-    case gives the clearance at rest."""
+    case gives the clearance at rest. NaN for a shaft line without a wheel, which has no wall."""
     stage = dataset.variables
-    return float(stage["clearance"].values.min() + stage["tip_recess"].values.min())
+    clearance, recess = stage["clearance"].values, stage["tip_recess"].values
+    return float(clearance.min() + recess.min()) if recess.size else float("nan")
 
 
 def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:

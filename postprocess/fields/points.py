@@ -175,6 +175,10 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
 
 
 def _of_solids(dataset: xr.Dataset) -> Points:
+    if "shaft_shape" in dataset and not dataset.sizes["contact_node"]:
+        raise ViewError(
+            "expected a bladed disk; `bladewhirl export` writes a series of a shaft line"
+        )
     if "point_shape" not in dataset:
         raise ViewError(NO_POINTS)
     points, copies = dataset.sizes["point"], dataset.sizes["copy"]

@@ -59,7 +59,8 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
 
 
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result with all coordinates of the schema."""
+    """Return a result with all coordinates of the schema, and with empty arrays of contact nodes
+    for a shaft line without a wheel."""
     table = schema.STAGE
     indices = {
         name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
@@ -67,6 +68,16 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
         if name in dataset.dims and name not in dataset.coords
     }
     described = [name for name in dataset if name in table and table[str(name)].is_coordinate]
+    empty = {}
+    if not _has_wheel(dataset):
+        sizes = dict.fromkeys(schema.OF_WHEEL, 0) | {schema.TIME: dataset.sizes[schema.TIME]}
+        empty = {
+            name: _entry(variable, np.zeros([sizes[d] for d in variable.dimensions], variable.kind))
+            for name, variable in {**schema.HISTORY, **table}.items()
+            if not variable.part and schema.OF_WHEEL.intersection(variable.dimensions)
+        }
+    dataset = dataset.assign(empty)
+    described += [name for name in empty if name in table and table[name].is_coordinate]
     complete = dataset.assign_coords(indices).set_coords(described)
     return complete if "blade" in complete.xindexes else complete.set_xindex("blade")
 
@@ -108,6 +119,11 @@ def described(values: Mapping[str, Any]) -> xr.Dataset:
     return xr.Dataset({name: _entry(schema.RESULT[name], each) for name, each in given.items()})
 
 
+def _has_wheel(dataset: xr.Dataset) -> bool:
+    """Return whether the stage of a result has contact nodes; a shaft line can be without them."""
+    return "shaft_position" not in dataset or "tip_angle" in dataset
+
+
 def _entry(variable: schema.Variable, values: Any) -> tuple[Any, Array, dict[str, str]]:
     """Return a variable of the schema in the form that xarray accepts."""
     return variable.dimensions, np.asarray(values), variable.attributes
@@ -142,7 +158,10 @@ def result_fault(dataset: xr.Dataset) -> str:
         return f"{needed}, found format {made_by}; run the case again"
     parts = schema.parts_of(map(str, dataset.variables))
     for key, variable in {**schema.HISTORY, **schema.STAGE}.items():
-        optional = schema.OPTIONAL_DIMENSIONS.intersection(variable.dimensions)
+        absent = schema.OPTIONAL_DIMENSIONS
+        if not _has_wheel(dataset):
+            absent = absent | schema.OF_WHEEL
+        optional = absent.intersection(variable.dimensions)
         if variable.part not in parts or variable.since > made_by or optional:
             continue
         if key not in dataset:

@@ -30,6 +30,7 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import StageParts
+from bladewhirl.postprocess.paraview.shaft_line import exaggeration_of, line_grids
 from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, opening
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.colouring import is_normalised, scale_end
@@ -105,6 +106,9 @@ def export_vtk(
     the exaggeration are FieldData. With
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
+    A shaft line without a wheel has the part `rotor` only, its surface with `displacement` and
+    `warp`.
+
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
     all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
     listed in the manifest of the folder are replaced only with `overwrite`. `progress` is called
@@ -116,11 +120,23 @@ def export_vtk(
         ResultError: the result is of an old format without cross-sections.
         FileExistsError: a file exists that the manifest does not list.
     """
-    dataset = with_wall(dataset)
     if records is None:
         records = frame_records(dataset, frames, start, end)
         if hint := sampling_hint(dataset, records):
             logger.info(hint)
+    if not dataset.sizes["contact_node"]:
+        factor = exaggeration_of(dataset, records, exaggeration)
+        return write_series(
+            Path(directory),
+            ["rotor"],
+            dataset["time"].values[records],
+            line_grids(dataset, records, rotating=rotating, exaggeration=factor),
+            {},
+            factor,
+            overwrite=overwrite,
+            progress=progress,
+        )
+    dataset = with_wall(dataset)
     look: dict[str, Any] = {"surface": surface, "rotating": rotating, "exaggeration": exaggeration}
     parts = StageParts(dataset, records, **look)
     others: dict[str, meshio.Mesh | str] = {

@@ -25,8 +25,9 @@ class Figures:
     def __init__(
         self, kinds: Mapping[str, FigureKind], dataset: xr.Dataset, *source: object
     ) -> None:
+        known = {name for name, values in dataset.variables.items() if values.size}
         self._missing = {
-            name: [each for each in kind.needs if not {*each.split(" or ")} & {*dataset.variables}]
+            name: [each for each in kind.needs if not {*each.split(" or ")} & known]
             for name, kind in kinds.items()
         }
         #: figures that the dataset has

@@ -38,13 +38,14 @@ from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_clas
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.extremes import largest_force, stress_split
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.measures import MARCH_REPORT
+from bladewhirl.postprocess.run.measures import MARCH_REPORT, Motion
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.run.unrolled import unrolled
 from bladewhirl.postprocess.run.wear import coating_of
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
+from bladewhirl.postprocess.shaft_line.motion import line_bearing_forces
 
 PICTURES = 60  #: number of pictures of the film
 FILM = (
@@ -201,6 +202,15 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
     """Return the key figures of a run: name, value, remark."""
     ratio, _, rpm = speed_label(dataset).partition(" (")
     end = f"{float(dataset['time'].values[-1]):.6g} s"
+    ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
+    if "shaft_displacement" in dataset:
+        force = float(line_bearing_forces(dataset)["force"].max())
+        ran += [
+            ("largest displacement of the shaft", handy(Motion(dataset).radius.max(), "m", 4), ""),
+            ("largest force of a bearing", handy(force, "N", 4), ""),
+        ]
+    if not dataset.sizes["contact_node"]:
+        return ran
     late = _late(dataset)
     classes = contact_classes(late)["contact_class"].values
     counts = {name: int((classes == name).sum()) for name in CLASS_COLOURS}
@@ -210,7 +220,6 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
         f"{np.count_nonzero(steps)} of {len(steps)}",
         ", ".join(f"{count} {name}" for name, count in counts.items() if count),
     )
-    ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
     if LOSS in dataset.attrs:
         ran.append(("loss", str(dataset.attrs[LOSS]), ""))
     ran += _loads(dataset, stresses)

@@ -111,13 +111,21 @@ class Motion:
 
     @cached_property
     def radius(self) -> Array:
-        """Displacement of the shaft at every record [m]."""
+        """Displacement of the shaft at every record [m], the largest along a shaft line."""
+        if "shaft_displacement" in self.result:
+            x, y = np.moveaxis(self.result["shaft_displacement"].values[..., :2], 2, 0)
+            return np.asarray(np.hypot(x, y).max(axis=1))
         return np.asarray(np.hypot(*centre_displacement(self.result).T))
 
     @property
     def has_shaft(self) -> bool:
         """True if the stage has a centre."""
         return "centre_shape" in self.result
+
+    @property
+    def moves_shaft(self) -> bool:
+        """True if the stage has a centre or a shaft line."""
+        return self.has_shaft or "shaft_displacement" in self.result
 
     def record_at(self, time: float) -> int:
         """Return the number of records up to a time [s], at least one."""
@@ -276,15 +284,17 @@ MEASURES: Mapping[str, Callable[[Motion], Any]] = {
     "revolutions": lambda run: float(rotation.turns(run.result)[-1]),
     "rotation_speed": _attribute("speed"),
     "reference_frequency": _attribute("reference_frequency"),
-    "shaft_radius_max": lambda run: float(run.radius.max()) if run.has_shaft else None,
-    "shaft_radius_final": lambda run: float(run.radius[-1]) if run.has_shaft else None,
+    "shaft_radius_max": lambda run: float(run.radius.max()) if run.moves_shaft else None,
+    "shaft_radius_final": lambda run: float(run.radius[-1]) if run.moves_shaft else None,
     "tip_displacement_max": lambda run: largest_displacement(run.result),
     "smallest_clearance": lambda run: smallest_clearance(run.result),
     "strain_energy_max": lambda run: float(run.strain_energy.max()),
     "energy_final": lambda run: float(run.result.variables["energy"].values[-1]),
     "contact_impulse": lambda run: float(run.result.variables["contact_impulse"].values.sum()),
     "impulse_per_revolution": lambda run: late_impulse(run.result),
-    "gap_violation_max": lambda run: max(0.0, -float(run.result.variables["gap"].values.min())),
+    "gap_violation_max": lambda run: max(
+        0.0, -float(run.result.variables["gap"].values.min(initial=0.0))
+    ),
     "blade_loss": _attribute(LOSS),
     "fuse_time": _attribute("fuse_time"),
     "yield_strength": _attribute("yield_strength"),

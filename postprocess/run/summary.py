@@ -30,6 +30,7 @@ from bladewhirl.postprocess.shaft.bearing_forces import bearing_forces
 from bladewhirl.postprocess.shaft.crossings import crossings
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
+from bladewhirl.postprocess.shaft_line.motion import line_bearing_forces
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
@@ -79,7 +80,8 @@ class Summary:
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_time: float  #: time of the last record [s]
     revolutions: float  #: number of revolutions
-    shaft_radius_max: float | None  #: largest displacement of the shaft over the records [m]
+    shaft_radius_max: float | None
+    """Largest displacement of the shaft over the records [m], anywhere along a shaft line."""
     shaft_radius_final: float | None  #: displacement of the shaft at the last record [m]
     bearing_force_max: float | None
     """Largest force of the rotor on its bearings over the records, without its weight [N]."""
@@ -182,7 +184,8 @@ def summarise(
     power, speed = late_rate(dataset, drive_work(dataset)), float(dataset.attrs["speed"])
     peaks = _peaks(dataset) if stresses is None else stresses
     grouped, impulse = "suspension" in energies, dataset["contact_impulse"].values
-    wear, largest_motion = wear_summary(dataset), largest_contact_motion(dataset).max(0).tolist()
+    largest_motion = largest_contact_motion(dataset).max(0, initial=0.0).tolist()
+    wear = wear_summary(dataset)
     contact_steps = dataset["contact_steps"].sum("time").values
     names = [each.name for each in fields(Summary) if each.name in MEASURES]
     measured = {name: MEASURES[name](run) for name in names}
@@ -224,6 +227,8 @@ def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
     )
     figures: dict[str, Any] = {**dict.fromkeys(numbers), "whirl_lines": [], "ripple_lines": []}
     figures["critical_crossings"] = []
+    if "bearing_force" in run.result:
+        figures |= _largest_bearing_force(line_bearing_forces(run.result))
     if not run.has_shaft:
         return figures
     dataset, orbit, late = run.result, run.orbit, late_part(run.orbit)
@@ -234,9 +239,7 @@ def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
     figures["ripple_rms"], about = ripple(late, "rotating")
     if not run.radius.max() > ROUNDING * tips:
         return figures
-    force = bearing_forces(dataset, orbit)["force"]
-    figures["bearing_force_max"] = float(force.max())
-    figures["bearing_force_time"] = float(force["time"][int(force.values.argmax())])
+    figures |= _largest_bearing_force(bearing_forces(dataset, orbit))
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     return figures | {
         "whirl_frequency_rotating": rotating.frequency,
@@ -245,6 +248,16 @@ def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
         "whirl_lines": _lines(late),
         "ripple_frequency": whirl(about, "rotating").frequency,
         "ripple_lines": _lines(about),
+    }
+
+
+def _largest_bearing_force(forces: xr.Dataset) -> dict[str, float]:
+    """Return the largest force on any bearing, and its instant."""
+    largest = forces["force"].values.reshape(forces.sizes["time"], -1).max(axis=1)
+    first = int(largest.argmax())
+    return {
+        "bearing_force_max": float(largest[first]),
+        "bearing_force_time": float(forces["time"][first]),
     }
 
 

@@ -70,10 +70,15 @@ def summary_rows(summary: Summary) -> dict[str, str]:
 def _shaft(summary: Summary) -> dict[str, str]:
     if summary.shaft_radius_max is None:
         return {}
-    return {
+    rows = {
         "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
         f" {_text(summary.shaft_radius_final, 'm')} at the end",
         **_bearings(summary),
+    }
+    if summary.ripple_rms is None:  # a shaft line, each place of which has its own orbit
+        return rows
+    return {
+        **rows,
         "whirl, rotating frame": _whirl(
             summary.whirl_frequency_rotating, summary.whirl_lines, "rotating", summary.end_time
         ),

@@ -18,6 +18,7 @@
 #ifndef DRIVE_H
 #define DRIVE_H
 
+#include "bearings.h"
 #include "speed.h"
 
 /* Compute the rotation in a step from the state; the speed at n is expected from the acceleration. */
@@ -98,6 +99,8 @@ static void predict_drive(March *m)
     double dt = n->time_step, acceleration = r->acceleration;
     double base = m->stage.speed->base * m->stage.speed->base, square = r->square[1];
     r->torque = d->torque - d->loss * r->now + damper_torque(m);
+    if (m->stage.bearings)
+        r->torque += bearing_torque(m);
     double goal = s[DRIVE_MOMENTUM] + dt * r->torque, before = acceleration;
     Lanes zero = splat(0.0), along = zero, across = zero, pulled = zero, turned = zero;
     Lanes pulls = zero, turns = zero, both = zero;

@@ -309,6 +309,25 @@ typedef struct {
     double limit;    /* force at which the support fuses [N] */
 } Fuse;
 
+/* Bearings between places of the rotor and the ground or supports, see `bearings.h`. A bearing has two
+ * ends: x and y, or the slopes of the shaft along them. Matrices of a bearing are k_0 and k_2, with their
+ * real and imaginary parts. */
+typedef struct {
+    Matrix rotor;           /* (ends, rotor_entries) B: displacement of the rotor, rotating axes */
+    Matrix answer;          /* (ends, rotor_entries) A^-1 B^T: response to a unit force on the rotor */
+    Matrix casing;          /* (ends, casing_entries) S: displacement of the support, static axes; or
+                             * empty */
+    Matrix casing_answer;   /* (ends, casing_entries) c S^T: response to a unit force on the support; or
+                             * empty */
+    Matrix compliance;      /* (ends, wide_ends) W = B A^-1 B^T + S c S^T, and zeros [m/N] */
+    Matrix unit;            /* (more_ends, wide_ends) unit matrix of one more row, and zeros */
+    Matrix inverse;         /* (ends, ends) (1 + C W / (2 h))^-1 if C is the same at all angles; or
+                             * empty */
+    Matrix stiffness;       /* (bearings, 4) [N/m] */
+    Matrix damping;         /* (bearings, 4) [N s/m] */
+    int64_t damped;         /* 1 if any damping is not zero */
+} Bearings;
+
 /* State of a march, which is advanced in place. */
 typedef struct {
     Matrix rotor;    /* (3, rotor_entries) x_{n-1}, x_n and scratch of the rotor */
@@ -372,6 +391,7 @@ typedef struct {
     const Speed *speed;           /* or NULL */
     const Drive *drive;           /* or NULL */
     const Fuse *fuse;             /* or NULL */
+    const Bearings *bearings;     /* or NULL */
     const Numbers *numbers;
 } Stage;
 

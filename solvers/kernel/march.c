@@ -71,6 +71,8 @@ static inline void predict(March *m)
         turn(m->stage.rotor, m->stage.gyroscopic, x, further->size > 0 ? further->at : NULL,
              s->turned.at);
     }
+    if (m->stage.bearings)
+        add_bearings(m);
     if (m->stage.drive)
         predict_drive(m);
 }
@@ -105,6 +107,8 @@ static inline void account(March *m, int64_t step, int touching)
         account_speed(m);
     if (m->stage.drive)
         account_drive(m, step, touching);
+    if (m->stage.bearings)
+        account_bearings(m, step);
     if (m->stage.dampers) {
         const double *force = s->damper_force.at;
         work[DAMPING] += damper_loss(&m->stage.dampers->rotor, x, s->stroke.at, force);
@@ -171,14 +175,15 @@ int march(const Stage *stage, State *state, Records *records, Vector arena, int6
                                    &m.rotation, (double)step * dt, scratch->amplitude.at);
         if (springs)
             turn_springs(springs, m.rotation.angle, m.x, m.y, &scratch->springs, step, energy);
+        double stored = stage->bearings ? turn_bearings(&m, step == end - steps) : 0.0;
         double unsolved = state->counts.at[UNSOLVED];
         double removed = state->coating.size > 0 ? state->coating.at[REMOVED] : 0.0;
         predict(&m);
         int within = solve_nodes(&m, step, &touching);
         if (within && (step + 1) % CHECK_EVERY == 0)
-            within = keeps_limit(&m);
+            within = keeps_limit(&m) && (!stage->bearings || bearings_keep_limit(&m));
         if (step % record_every == 0 || !within) {
-            double stored = energy[0] + flexible_energy(&m);
+            stored += energy[0] + flexible_energy(&m);
             if (stage->speed)
                 stored += record_speed(&m, records, written);
             if (stage->drive)

@@ -177,6 +177,19 @@ typedef struct {
     Vector coupled;    /* G x_n + b of a free speed */
 } SpeedScratch;
 
+/* Bearings; rows of three steps are those of n - 1, n and n + 1. */
+typedef struct {
+    Matrix place;     /* displacement of the rotor at each end, rotating axes */
+    Matrix other;     /* displacement of the support, static axes; or empty */
+    Matrix stretch;   /* displacement of the rotor relative to the support, static axes */
+    Vector force;     /* force on the rotor at step n, rotating axes */
+    Vector spring;    /* part of the springs */
+    Vector on_casing; /* force on the rotor, static axes */
+    Matrix system;    /* linear system, with its right-hand side, padded */
+    Vector turned;    /* damping matrices in rotating axes, by rows, divided by 2 h */
+    Vector turn;      /* cosine and sine of psi at n */
+} BearingScratch;
+
 typedef struct {
     FieldScratch fields;
     ContactScratch contact;
@@ -186,6 +199,7 @@ typedef struct {
     RodScratch rods;
     PieceScratch pieces;
     SpeedScratch speed;
+    BearingScratch bearings;
     Vector turned;       /* modal forces on the rotor */
     Vector amplitude;    /* factor of each load pattern */
     Vector stroke;       /* displacement of each damper in two steps */
@@ -335,6 +349,20 @@ static void lay_pieces(Arena *a, int64_t group, PieceScratch *s)
     s->high = vector(a, group);
 }
 
+static void lay_bearings(Arena *a, const Stage *g, BearingScratch *s)
+{
+    int64_t ends = g->bearings ? g->bearings->rotor.rows : 0;
+    s->place = matrix(a, 3, ends);
+    s->other = matrix(a, g->bearings && g->bearings->casing.rows > 0 ? 3 : 0, ends);
+    s->stretch = matrix(a, 3, ends);
+    s->force = vector(a, ends);
+    s->spring = vector(a, ends);
+    s->on_casing = vector(a, ends);
+    s->system = matrix(a, ends, padded(ends + 1));
+    s->turned = vector(a, 2 * ends);
+    s->turn = vector(a, 2);
+}
+
 static void lay_speed(Arena *a, const Stage *g, const State *state, SpeedScratch *s)
 {
     int64_t spun = g->speed && g->speed->samples.rows > 0 ? state->rotor.columns : 0;
@@ -365,6 +393,7 @@ static void lay_scratch(Arena *a, const Stage *g, const State *state, Scratch *s
     lay_rods(a, g, state, &s->rods);
     lay_pieces(a, group, &s->pieces);
     lay_speed(a, g, state, &s->speed);
+    lay_bearings(a, g, &s->bearings);
     s->turned = vector(a, state->rotor.columns);
     s->amplitude = vector(a, g->numbers->loads.rows);
     s->stroke = vector(a, most);

@@ -43,8 +43,10 @@ static double full_loss(const Gyroscopic *g, const double *moved)
 {
     int64_t columns = g->full_loss.columns;
     Lanes loss = splat(0.0);
-    for (int64_t n = 0; n < g->full_loss.rows; n++) {
-        int64_t own = n % columns;
+    for (int64_t n = 0, own = 0; n < g->full_loss.rows; n++, own++) {
+        own = own == columns ? 0 : own;
+        if (g->loss_end.at[n] == 0)
+            continue;
         const double *others = moved + n - own; /* the modes of the same copy */
         Lanes by = splat(moved[n]);
         for (int64_t i = own - own % LANES; i < g->loss_end.at[n]; i += LANES) {
@@ -89,23 +91,44 @@ static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, do
     return 0.25 * half_total(lost);
 }
 
-/* Store `from` + A^-1 f of a copy in `out`, for any rotor; `full` has `modes` rows for each copy. */
+/* Store `from` plus the product of f and the rows of a copy, which begin with the row `start`, in a
+ * number of registers of `out` from the column i on. */
+INLINED void add_spans(const ModalMatrix *matrix, int64_t start, int64_t span, int registers,
+                       int64_t i, const double *f, const double *from, double *out)
+{
+    const Matrix *full = &matrix->full;
+    Lanes sum[LANES];
+    int64_t n = matrix->first.at[span];
+    const double *row = full->at + (start + n) * full->columns + i;
+    for (int k = 0; k < registers; k++)
+        sum[k] = load(from + i + k * LANES);
+    for (; n < matrix->last.at[span]; n++, row += full->columns) {
+        Lanes force = splat(f[n]);
+        for (int k = 0; k < registers; k++)
+            sum[k] = muladd(load(row + k * LANES), force, sum[k]);
+    }
+    for (int k = 0; k < registers; k++)
+        store(out + i + k * LANES, sum[k]);
+}
+
+/* Store `from` + A^-1 f of a copy in `out`, for any rotor; `full` has `modes` rows for each copy. Spans
+ * with the same rows are added together, as sums of few registers wait for each other. */
 static void add_full(const ModalMatrix *matrix, int64_t copy, int64_t modes, const double *f,
                      const double *from, double *out)
 {
-    const Matrix *full = &matrix->full;
-    int64_t span = copy * full->columns / (2 * LANES);
-    for (int64_t i = 0; i < full->columns; i += 2 * LANES, span++) {
-        Lanes first = load(from + i), second = load(from + i + LANES);
-        int64_t n = matrix->first.at[span];
-        const double *row = full->at + (copy * modes + n) * full->columns + i;
-        for (; n < matrix->last.at[span]; n++, row += full->columns) {
-            Lanes force = splat(f[n]);
-            first = muladd(load(row), force, first);
-            second = muladd(load(row + LANES), force, second);
-        }
-        store(out + i, first);
-        store(out + i + LANES, second);
+    const int64_t *first = matrix->first.at, *last = matrix->last.at;
+    int64_t spans = matrix->full.columns / (2 * LANES), start = copy * modes, together;
+    for (int64_t k = 0, span = copy * spans; k < spans; k += together, span += together) {
+        int64_t i = 2 * LANES * k;
+        for (together = 1; together < 3 && k + together < spans; together++)
+            if (first[span + together] != first[span] || last[span + together] != last[span])
+                break;
+        if (together == 3)
+            add_spans(matrix, start, span, 6, i, f, from, out);
+        else if (together == 2)
+            add_spans(matrix, start, span, 4, i, f, from, out);
+        else
+            add_spans(matrix, start, span, 2, i, f, from, out);
     }
 }
 

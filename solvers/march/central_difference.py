@@ -35,7 +35,12 @@ from bladewhirl.solvers.packing.rotor import (
     pack_rotor,
 )
 from bladewhirl.solvers.packing.speed import pack_drive, pack_speed
-from bladewhirl.solvers.packing.supports import pack_dampers, pack_fuse, pack_springs
+from bladewhirl.solvers.packing.supports import (
+    pack_bearings,
+    pack_dampers,
+    pack_fuse,
+    pack_springs,
+)
 
 ENDS = {lib.DIVERGED: EndReason.DIVERGENT, lib.FUSED: EndReason.FUSED}
 """Reasons for an end by the status of the kernel."""
@@ -85,6 +90,7 @@ class CentralDifference:
             "springs": pack_springs(problem, self._arrangements),
             "dampers": pack_dampers(problem, bodies, self._arrangements, time_step),
             "gyroscopic": pack_gyroscopic(problem, rotor, time_step),
+            "bearings": pack_bearings(problem, self._arrangements, time_step),
             "closure": pack_closure(problem.closure),
             "coating": pack_coating(problem),
             "foreshortening": pack_foreshortening(problem, rotor, time_step, cyclic=self.cyclic[0]),
@@ -112,6 +118,7 @@ class CentralDifference:
         return {
             "rotor": packed,
             "gyroscopic": pack_gyroscopic(problem, arrangement, dt, like),
+            "bearings": pack_bearings(problem, (arrangement, self._arrangements[1]), dt),
             "foreshortening": pack_foreshortening(problem, arrangement, dt, cyclic=cyclic),
         }
 
@@ -177,10 +184,14 @@ class CentralDifference:
         springs = problem.spring_force(turned.angle, np.concatenate([start.rotor, start.casing]))
         pulls = np.split(springs, [len(start.rotor)])
         pulls[0] = pulls[0] + problem.turning_force(turned, start.rotor, start.rotor_velocity)
-        pulls = [
-            pull + more
-            for pull, more in zip(pulls, problem.contact_pull(turned, start), strict=True)
-        ]
+        acting, spun = [problem.contact_pull(turned, start)], 0.0
+        if (bearings := problem.bearings) is not None:
+            motion = (start.rotor, start.rotor_velocity), (start.casing, start.casing_velocity)
+            held = bearings.force(turned.angle, turned.speed, *motion)
+            acting.append(bearings.pulls(turned.angle, held))
+            spun = bearings.torque(turned.angle, start.rotor, held)
+        for both in acting:
+            pulls = [pull + more for pull, more in zip(pulls, both, strict=True)]
         found = []
         for name, pull in zip(("rotor", "casing"), pulls, strict=True):
             body = getattr(problem, name)
@@ -193,7 +204,7 @@ class CentralDifference:
             if name == "rotor" and problem.drive is not None:
                 assert problem.change is not None
                 torque, rate, further = problem.drive.acceleration(
-                    turned.speed, problem.change, body.centre, (x, v, acceleration)
+                    turned.speed, problem.change, body.centre, (x, v, acceleration), spun
                 )
                 acceleration = acceleration + further
             found.append(acceleration)
@@ -303,9 +314,40 @@ class CentralDifference:
             closing_work=work[:, lib.CLOSING],
             rotation_angle=records.rotation[:written, lib.ANGLE].copy() if varies else np.zeros(0),
             rotation_speed=records.rotation[:written, lib.SPEED].copy() if varies else np.zeros(0),
+            **self._line_records(written),
             **self._drive_records(written),
             **self._node_records(written),
         )
+
+    def _line_records(self, written: int) -> dict[str, FloatArray]:
+        """Return the motion of a shaft line and the forces of its bearings, if there is one."""
+        problem, records = self._problem, self._records
+        bearings = problem.bearings
+        if bearings is None or bearings.shaft is None:
+            return {}
+        of_rotor, of_casing = self._arrangements
+        rotor = (
+            of_rotor.unpack(records.rotor[:written]),
+            of_rotor.unpack(records.rotor_velocity[:written]),
+        )
+        casing = (
+            of_casing.unpack(records.casing[:written]),
+            of_casing.unpack(records.casing_velocity[:written]),
+        )
+        angle = problem.speed * self._time_step * records.step[:written]
+        speed = np.full(written, problem.speed)
+        if problem.change is not None:
+            angle, speed = records.rotation[:written].T
+        shaft = bearings.shaft
+        force = bearings.force(angle, speed, rotor, casing)[:, : shaft.bearings]
+        moved = (casing[0] @ bearings.support.T)[:, : shaft.bearings]
+        strained = 0.5 * np.einsum("rm,mk,rk->r", rotor[0], shaft.stiffness, rotor[0])
+        return {
+            "shaft_displacement": shaft.displacement(angle, rotor[0]),
+            "bearing_force": np.stack([force.real, force.imag], axis=2),
+            "support_displacement": np.stack([moved.real, moved.imag], axis=2),
+            "line_energy": strained + bearings.energy(angle, rotor[0], casing[0]),
+        }
 
     def _drive_records(self, written: int) -> dict[str, FloatArray]:
         """Return the records of a free speed, if it is free."""

@@ -83,6 +83,15 @@ class Chunk:
     strain_energy: FloatArray = absent()
     """Strain energy of the bladed disk with its shaft springs [J], (records,); empty without sudden
     changes of the rotor."""
+    shaft_displacement: FloatArray = absent()
+    """Displacement and rotation of each node of a shaft line, static axes [m, rad], (records,
+    nodes, 6)."""
+    bearing_force: FloatArray = absent()
+    """Force of each bearing on the shaft, static axes [N], (records, bearings, 2)."""
+    support_displacement: FloatArray = absent()
+    """Displacement of the support of each bearing, static axes [m], (records, bearings, 2)."""
+    line_energy: FloatArray = absent()
+    """Strain energy of a shaft line with the springs of its bearings [J], (records,)."""
     rotation_angle: FloatArray = absent()
     """Angle of the rotor [rad], (records,); empty at constant speed."""
     rotation_speed: FloatArray = absent()
@@ -115,6 +124,8 @@ class Chunk:
         The last record is still within the limit: the place is found from displacements that are
         extrapolated by one step. It is unknown if the motion of the casing is not recorded.
         """
+        if not problem.rotor.tip_angle.size:
+            return "the shaft at a bearing", ""
         rotor, casing = problem.rotor, problem.casing
         if self.casing_displacement.shape[1] < len(casing.frequency):
             return "a tip or the casing", ""

@@ -305,8 +305,12 @@ def sizes_of(stage: StageArrays) -> dict[str, int]:
 
 def histories_of(stage: StageArrays) -> dict[str, Variable]:
     """Return the histories that a march of a stage records."""
-    parts = parts_of(stage.stored)
-    return {name: variable for name, variable in HISTORY.items() if variable.part in parts}
+    parts, known = parts_of(stage.stored), {TIME, *sizes_of(stage)}
+    return {
+        name: variable
+        for name, variable in HISTORY.items()
+        if variable.part in parts and known.issuperset(variable.dimensions)
+    }
 
 
 def coating_records(coating: CoatingRecords) -> dict[str, Values]:

@@ -35,6 +35,11 @@ OPTIONAL_DIMENSIONS = frozenset(
 treats a dimension of length zero as unlimited."""
 
 
+OF_WHEEL = frozenset({"contact_node", "wall_angle"})
+"""Dimensions that a shaft line without a wheel does not have; the variables along them are left out
+of its file."""
+
+
 class Variable(NamedTuple):
     """Variable of a file."""
 
@@ -48,8 +53,8 @@ class Variable(NamedTuple):
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
     motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
     "gauges", "stress" at points, a flexible "casing", a "speed" that varies, "critical" speeds in
-    its range, a known "inertia" of the rotation, a "drive" of a free speed, or sudden "changes" of
-    the rotor; "" for every stage."""
+    its range, a known "inertia" of the rotation, a "drive" of a free speed, sudden "changes" of the
+    rotor, or a shaft "line"; "" for every stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

@@ -1,12 +1,14 @@
-"""Arrays of point dampers, of springs between the bodies and of static shaft springs."""
+"""Arrays of point dampers, of springs between the bodies, of static shaft springs and bearings."""
 
 import numpy as np
+from scipy.linalg import block_diag
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned_copy, zeros
-from bladewhirl.solvers.packing.arrangement import Arrangement
+from bladewhirl.solvers.kernel.structs import Arrays, Struct, aligned, aligned_copy, padded, zeros
+from bladewhirl.solvers.packing.arrangement import Arrangement, scheme_inverse
+from bladewhirl.solvers.packing.rotor import rotor_inverses
 
 
 def pack_dampers(
@@ -97,6 +99,53 @@ def _springs_between(
         "rotor": ends[0],
         "casing": ends[1],
     }
+
+
+def pack_bearings(
+    problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement], dt: float
+) -> Struct | None:
+    """Return the bearings; None without them.
+
+    Args:
+        problem: contact problem.
+        arrangements: arrangements of the modes of rotor and casing.
+        dt: time step [s].
+    """
+    bearings, casing = problem.bearings, problem.casing
+    if bearings is None:
+        return None
+    (inverse,) = rotor_inverses(problem.rotor, dt)
+    rotor, support = _ends(bearings.rotor), _ends(bearings.support)
+    answer = rotor @ inverse.T
+    held = support * scheme_inverse(casing.frequency, casing.damping_ratio, dt)
+    stands, ends = 0 if support.any() else len(support), len(rotor)
+    flexible = rotor @ answer.T + support @ held.T
+    compliance, unit = aligned((ends, padded(ends + 1))), aligned((ends + 1, padded(ends + 1)))
+    compliance[:, :ends], unit[:, : ends + 1] = flexible, np.eye(ends + 1)
+    inverse = aligned((0, 0))
+    if not bearings.damping[:, 1].any():
+        skew = np.array([[0.0, -1.0], [1.0, 0.0]])
+        dampers = [c.real * np.eye(2) + c.imag * skew for c in bearings.damping[:, 0]]
+        drag = block_diag(*dampers) @ flexible / (2.0 * dt)
+        inverse = aligned_copy(np.linalg.inv(np.eye(ends) + drag))
+    return Struct(
+        "Bearings",
+        rotor=arrangements[0].pack(rotor),
+        answer=arrangements[0].pack(answer),
+        casing=arrangements[1].pack(support[stands:]),
+        casing_answer=arrangements[1].pack(held[stands:]),
+        compliance=compliance,
+        unit=unit,
+        inverse=inverse,
+        stiffness=np.ascontiguousarray(bearings.stiffness).view(np.float64),
+        damping=np.ascontiguousarray(bearings.damping).view(np.float64),
+        damped=int(bearings.damping.any()),
+    )
+
+
+def _ends(rows: ComplexArray) -> FloatArray:
+    """Return rows of displacements along x and y in turn, (2 * bearings, modes)."""
+    return np.stack([rows.real, rows.imag], axis=1).reshape(2 * len(rows), -1)
 
 
 def pack_fuse(problem: ContactProblem, arrangement: Arrangement) -> Struct | None:

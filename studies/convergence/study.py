@@ -21,6 +21,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import CaseError, Fault, UserError, writing
+from bladewhirl.models.shaft_line.line import refuse_line
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.postprocess.fields.result import open_result
@@ -89,6 +90,7 @@ def convergence(
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.studies.convergence.figures import plot_modes, plot_time_steps
 
+    refuse_line(case)
     folder = Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     for key, values in ((TIME_STEP, time_steps), (MODES, modes)):

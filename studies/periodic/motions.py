@@ -13,6 +13,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.shaft_line.line import refuse_line
 from bladewhirl.models.stage.build import Buildable, build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -123,6 +124,7 @@ def periodic(
             found.
     """
     stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
+    refuse_line(stage)
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
@@ -159,6 +161,7 @@ def nodes_of(stage: Stage, blade: int) -> Stage:
     Raises:
         UserError: it has no such blade.
     """
+    refuse_line(stage.case)
     expected, table = (
         "a superelement, as tips of beams have mass",
         stage.case.bladed_disk.superelement,

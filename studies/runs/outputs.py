@@ -111,6 +111,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.run.wear import write_profile
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
+    from bladewhirl.postprocess.shaft_line.motion import line_orbits, plot_line_orbits
     from bladewhirl.studies.runs.sensor_files import write_sensors
 
     with open_result(directory) as result:
@@ -120,6 +121,9 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
         if "centre_shape" in result:
             orbit = shaft_orbit(result)
             drawn[folder.ORBIT_NAME] = plot_orbit(orbit), orbit
+        elif "shaft_displacement" in result:
+            orbits = line_orbits(result)
+            drawn[folder.ORBIT_NAME] = plot_line_orbits(orbits), orbits
         drawn |= _contact_figures(result)
         summary = summarise(result, report, orbit=orbit, energies=energies)
         hints = [*displacement_hints(summary, result), *write_sensors(result, directory)]
@@ -153,7 +157,7 @@ def _contact_figures(result: xr.Dataset) -> dict[str, tuple[Figure, xr.Dataset]]
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
-    if window.frames == 0 or not {"point_shape", "rotor_line"} & {*result.variables}:
+    if window.frames == 0 or not {"point_shape", "rotor_line", "shaft_shape"} & {*result.variables}:
         return
     from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
     from bladewhirl.postprocess.paraview.series import export_vtk

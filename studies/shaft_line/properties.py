@@ -56,7 +56,7 @@ def properties(case: Case) -> tuple[dict[str, Any], "list[Table]"]:
     document: dict[str, Any] = {
         "mass": mass,
         "shaft_mass": mass - sum(each.mass for each in line.table.disks),
-        "polar_inertia": float(tilted @ line.polar @ tilted),
+        "polar_inertia": line.polar_inertia,
         "centre_of_mass": float((moved_aside @ line.mass @ tilted).real) / mass,
         "nodes": len(line.position),
         "reference_frequency": {"hz": line.reference_frequency / (2.0 * np.pi)},

@@ -286,7 +286,7 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
     Raises:
         ArithmeticError: no active set gives a solution.
     """
-    tips, tolerance = len(gap), 1e-12 * np.abs(gap).max()
+    tips, tolerance = len(gap), 1e-12 * np.abs(gap).max(initial=0.0)
     active = gap < 0.0
     for _ in range(2 * tips):
         multiplier, after, complete = _closed(gap, delassus, np.flatnonzero(active), tolerance)
@@ -312,5 +312,5 @@ def _closed(
         part = delassus[np.ix_(chosen, chosen)]
         multiplier[chosen] = np.linalg.lstsq(part, -gap[chosen], rcond=None)[0]
     after = gap + delassus @ multiplier
-    complete = multiplier.min() >= 0.0 and after.min() >= -tolerance
+    complete = (multiplier >= 0.0).all() and (after >= -tolerance).all()
     return multiplier, after, bool(complete and np.abs(after[chosen]).max(initial=0.0) <= tolerance)

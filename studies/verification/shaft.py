@@ -11,6 +11,8 @@ from bladewhirl.models.case.case import case_from
 from bladewhirl.models.shaft_line.hub_waves import hub_waves
 from bladewhirl.models.shaft_line.line import LineModel, line_model
 from bladewhirl.models.shaft_line.whirl import line_modes, unbalance_response
+from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.line import LineStage
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.hub import (
@@ -23,6 +25,7 @@ from bladewhirl.models.superelements.hub import (
     rigid_motions,
 )
 from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 RPM = np.pi / 30.0
@@ -136,6 +139,60 @@ def spinning_shaft() -> Pair:
     still, turning = (line_modes(line, omega, 2).eigenvalue.imag for omega in (0.0, 1e4))
     at_rest, *split = reference("shaft")["spinning"]
     return np.array(split) / at_rest, turning / still
+
+
+RUN_UP_STEP, RUN_UP_END = 2.5e-6, 7.95
+"""Time step and duration of the run-up [s]."""
+
+
+@verifies()
+def run_up() -> Pairs:
+    """Compare the largest square of the displacement of a disk in a run-up through its critical
+    speeds [m2], and its instant [s]."""
+    known, place, length = reference("shaft")["run_up"], 0.133, 0.4
+    case = case_from(
+        {
+            "material": LALANNE,
+            "shaft_line": {
+                "segments": [{"length": length, "outer_diameter": 0.02, "elements": 6}],
+                "disks": [
+                    {
+                        "position": place,
+                        "mass": 16.47,
+                        "polar_inertia": 0.1861,
+                        "diametral_inertia": 0.09427,
+                    }
+                ],
+                "bearings": [
+                    {"position": 0.0, "stiffness": 1e10},
+                    {"position": length, "stiffness": 1e10},
+                    {
+                        "position": 2.0 * place,
+                        "stiffness": [[2e5, 0.0], [0.0, 5e5]],
+                        "damping": [[40.0, 0.0], [0.0, 100.0]],
+                    },
+                ],
+                "unbalance": [{"position": place, "unbalance": 1.5e-5}],
+                "modes": 8,
+            },
+            "march": {
+                "speed_table": [[0.0, "0 rpm"], [12.0, "5000 rpm"]],
+                "speed_blend": 0.0,
+                "time_step": RUN_UP_STEP,
+            },
+        }
+    )
+    stage = build_stage(case)
+    assert isinstance(stage, LineStage)
+    scheme = CentralDifference(contact_problem(stage), RUN_UP_STEP, 40)
+    chunk = scheme.advance(scheme.init(), round(RUN_UP_END / RUN_UP_STEP) + 1)[1]
+    x, y = chunk.shaft_displacement[:, stage.line.node(place), :2].T
+    square = x**2 + y**2
+    most = int(square.argmax())
+    return {
+        "run_up_square": (known["square"], square[most]),
+        "run_up_instant": (known["instant"], chunk.time[most]),
+    }
 
 
 @verifies()

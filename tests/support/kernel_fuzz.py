@@ -3,9 +3,9 @@
 A third of them has no symmetry and any sizes; a third are cyclic stages of a case; and a third are
 blades with contact nodes that stick or slide in all directions, with or without mass, whose march
 in NumPy is another one (`boundary_cases.plain`). Options are on and off by chance: loads, dampers,
-springs between the bodies and under the shaft, Coriolis forces, signed sliding, tips that turn,
-closing casings, coatings, blades that shorten, supports that fuse, and a speed that varies or is
-free. Each stage has to agree to 1e-9 and, unless the speed is free, to keep the energy balance,
+springs between the bodies and under the shaft, bearings, Coriolis forces, signed sliding, tips that
+turn, closing casings, coatings, blades that shorten, supports that fuse, and a speed that varies or
+is free. Each stage has to agree to 1e-9 and, unless the speed is free, to keep the energy balance,
 except where NumPy finds no contact forces. A stage is made from its number alone, so a finding is
 repeated by `--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see
 `.ci/sanitize`.
@@ -21,10 +21,11 @@ from boundary_cases import coating as layers
 from contact_cases import assert_same, ledger_residual, random_problem, thrown
 from reference_march import Reference
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.closure import Closure
 from bladewhirl.models.case.speed_course import SpeedCourse
+from bladewhirl.models.stage.bearings import Bearings
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.contact_problem import ContactProblem, FusedSupport
@@ -236,6 +237,28 @@ def fuse(given: ContactProblem, random: np.random.Generator) -> FusedSupport:
     )
 
 
+def bearings(given: ContactProblem, random: np.random.Generator) -> Bearings:
+    """Bearings of any matrices, some of them on supports that move alike along x and y."""
+    count, modes = int(random.integers(1, 5)), len(given.rotor.frequency)
+    of_casing = len(given.casing.frequency)
+    support = np.zeros((count, of_casing), dtype=np.complex128)
+    equal = of_casing > 1 and (given.casing.frequency[:2] == given.casing.frequency[0]).all()
+    if equal and random.integers(2):
+        support[0, :2] = 1.0, 1.0j
+    stiffness, damping, rotor = complex_numbers(random, (3, count, max(modes, 2)))
+    return Bearings(
+        rotor=rotor[:, :modes],
+        support=support,
+        stiffness=1e3 * stiffness[:, :2],
+        damping=10.0 * damping[:, :2],
+    )
+
+
+def complex_numbers(random: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
+    """Normally distributed numbers."""
+    return np.asarray(random.normal(size=shape) + 1j * random.normal(size=shape))
+
+
 def course(given: ContactProblem, dt: float, random: np.random.Generator) -> SpeedCourse:
     """A speed that rises and falls about that of the problem, and may pass zero."""
     times = np.cumsum(random.uniform(5.0, 30.0, 3)) * dt
@@ -271,6 +294,9 @@ def check(number: int) -> bool:
             rotor = replace(rotor, stiffness_speed4=1e-4 * rotor.known("stiffness_speed") ** 2)
         change = SpeedChange(course=course(given, dt, random), rotor=rotor)
         given = replace(given, change=change)
+    if random.integers(3) == 0:
+        given = replace(given, bearings=bearings(given, random))
+        dt = min(dt, 0.5 * given.critical_time_step)
     if random.integers(4) == 0:
         given = replace(given, fuse=fuse(given, random))
     every = int(random.integers(1, 9))

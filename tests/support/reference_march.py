@@ -29,7 +29,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.varying_speed import Rotation
 from bladewhirl.models.stage.wall_coating import rod_angles
@@ -100,6 +100,8 @@ class Step(NamedTuple):
     coating: Coated  #: forces and state of the coating
     bent: Bent  #: foreshortening
     driven: Driven | None  #: free speed
+    held: ComplexArray  #: forces of the bearings on the rotor, static axes [N], (bearings,)
+    dragging: ComplexArray  #: part of their dampers
     residual: float  #: complementarity residual (`CentralDifference`)
 
 
@@ -210,11 +212,17 @@ class Reference:
             self._turned = {0.0: turned}
         force = self._force(0) + self._turning(0, x, dt * v)
         acceleration = force - lost - self._stiffness * x - self._spring_force(0, x)
+        spun, bearings = 0.0, self._problem.bearings
+        if bearings is not None:
+            bodies = (start.rotor, start.rotor_velocity), (start.casing, start.casing_velocity)
+            held = bearings.force(turned.angle, turned.speed, *bodies)
+            acceleration = acceleration + np.concatenate(bearings.pulls(turned.angle, held))
+            spun = bearings.torque(turned.angle, start.rotor, held)
         if drive is not None:
             assert change is not None
             centre, motion = self._problem.rotor.centre, (x[:modes], v[:modes])
             torque, rate, further = drive.acceleration(
-                turned.speed, change, centre, (*motion, acceleration[:modes])
+                turned.speed, change, centre, (*motion, acceleration[:modes]), spun
             )
             acceleration[:modes] += further
             angle = turned.angle - dt * turned.speed + 0.5 * dt**2 * rate
@@ -287,7 +295,9 @@ class Reference:
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
         drag = self._by_velocity @ before / (2.0 * dt)
         free = self._inverse @ (force + circulated - restoring + inertia + drag)
-        free, driven = self._drive(state, free)
+        predicted = free
+        free, held, done = self._bearings(state, free)
+        free, driven = self._drive(state, free, held)
         bent = self._bend(state, free)
         normal, tangential, clearance = self._rows(free, n + 1)
         normal, clearance = normal + bent.gradient, clearance + bent.start
@@ -298,7 +308,7 @@ class Reference:
         multiplier, coating = self._solve(free_gap, delassus, free, n + 1, state.strain)
         force_on_tips = multiplier + coating.force
         after = free + response @ force_on_tips
-        late = self._late @ (free - before)
+        late = self._late @ (predicted - before)
         damped = (self._felt @ (after - before) + late) / (2.0 * dt)
         if driven is not None:
             torque = force_on_tips @ self._wall_slope(after, free, n + 1)
@@ -306,8 +316,8 @@ class Reference:
             driven = driven._replace(momentum=driven.momentum + dt * float(torque))
         gap = clearance + normal @ after
         smaller = np.minimum(gap, np.diag(delassus) * multiplier)
-        violated = np.where(multiplier > 0.0, np.abs(smaller), np.maximum(-gap, 0.0)).max()
-        scale = max(self._problem.casing.clearance[:, 0].min(), np.abs(free_gap).max())
+        violated = np.where(multiplier > 0.0, np.abs(smaller), np.maximum(-gap, 0.0))
+        scale = max(self._problem.casing.clearance[:, 0].min(), np.abs(free_gap).max(initial=0.0))
         return Step(
             after=after,
             gap=gap,
@@ -321,7 +331,9 @@ class Reference:
             coating=coating,
             bent=bent,
             driven=driven,
-            residual=float(violated / scale) if force_on_tips.any() and scale > 0.0 else 0.0,
+            held=held,
+            dragging=done,
+            residual=float(violated.max() / scale) if force_on_tips.any() and scale > 0.0 else 0.0,
         )
 
     def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
@@ -335,6 +347,13 @@ class Reference:
         lost = moved @ (self._damping * moved) / dt + moved @ step.damped
         done = [moved @ step.force, moved @ step.pressed, moved @ step.dragged, lost]
         turning = 0.5 * before @ turned + moved @ step.circulated
+        if self._problem.bearings is not None:
+            rate = self._moves(n, x, step.after - before)
+            dragged = -dt * float((step.dragging.conj() * rate).real.sum())
+            rows = self._ends(n)
+            turning += float((step.held.conj() * (rows @ moved)).real.sum()) + dragged
+            turning += self._stored(n + 1, x, step.after) - self._stored(n, before, x)
+            done[3] += dragged
         closing = 0.5 * step.multiplier @ (step.gap - state.gaps[0])
         before_it = state.statistics
         return ReferenceState(
@@ -368,7 +387,62 @@ class Reference:
         [J]."""
         v = (state.now - state.before) / self._dt
         restoring = self._stiffness * state.now + self._spring_force(state.step - 1, state.now)
-        return float(0.5 * v @ v + 0.5 * state.before @ restoring)
+        stored = self._stored(state.step, state.before, state.now)
+        return float(0.5 * v @ v + 0.5 * state.before @ restoring) + stored
+
+    def _ends(self, n: float) -> ComplexArray:
+        """Return the displacement of the rotor relative to its supports, static axes, as rows on
+        all modes at step n, (bearings, modes)."""
+        bearings = self._problem.bearings
+        assert bearings is not None
+        return np.hstack([bearings.rotor * np.exp(1j * self._rotation(n).angle), -bearings.support])
+
+    def _stored(self, n: int, before: FloatArray, x: FloatArray) -> float:
+        """Return the energy of the springs of the bearings half a step before n [J]."""
+        bearings = self._problem.bearings
+        if bearings is None:
+            return 0.0
+        first, second = self._ends(n - 1) @ before, self._ends(n) @ x
+        pull = bearings.stiffness[:, 0].real * second + bearings.stiffness[:, 1] * second.conj()
+        return float(0.5 * (first.conj() * pull).real.sum())
+
+    def _moves(self, n: int, x: FloatArray, change: FloatArray) -> ComplexArray:
+        """Return the velocity of the rotor relative to its supports at step n, for the change of
+        the displacements in two steps, static axes [m/s], (bearings,)."""
+        rows, modes = self._ends(n), self._rotor_modes
+        speed = self._rotation(n).speed
+        carried = 1j * speed * rows[:, :modes] @ x[:modes]
+        return np.asarray(rows @ change / (2.0 * self._dt) + carried)
+
+    def _bearings(
+        self, state: ReferenceState, free: FloatArray
+    ) -> tuple[FloatArray, ComplexArray, ComplexArray]:
+        """Return the displacements x_{n+1} with the forces of the bearings, from those without,
+        these forces on the rotor in static axes and the part of their dampers, (bearings,)."""
+        bearings, n, x, before = self._problem.bearings, state.step, state.now, state.before
+        if bearings is None:
+            none = np.zeros(0, dtype=np.complex128)
+            return free, none, none
+        rows = self._ends(n)
+        answer = self._compliance @ np.hstack([rows.real.T, rows.imag.T])
+        size = len(rows)
+
+        def drag(after: FloatArray) -> ComplexArray:
+            rate = self._moves(n, x, after - before)
+            c0, c2 = bearings.damping.T
+            return np.asarray(-(c0 * rate + c2 * rate.conj()))
+
+        def forces(after: FloatArray) -> FloatArray:
+            moved = rows @ x
+            k0, k2 = bearings.stiffness.T
+            whole = drag(after) - (k0 * moved + k2 * moved.conj())
+            return np.concatenate([whole.real, whole.imag])
+
+        known = forces(free)
+        changes = np.array([forces(free + answer[:, k]) - known for k in range(2 * size)]).T
+        found = np.linalg.solve(np.eye(2 * size) - changes, known)
+        after = free + answer @ found
+        return after, found[:size] + 1j * found[size:], drag(after)
 
     def _force(self, n: float) -> FloatArray:
         """Return the modal forces of the loads at step n, (modes,)."""
@@ -405,7 +479,7 @@ class Reference:
         return np.asarray(force + problem.spring_stiffness(turned.angle) @ x)
 
     def _drive(
-        self, state: ReferenceState, predicted: FloatArray
+        self, state: ReferenceState, predicted: FloatArray, held: ComplexArray
     ) -> tuple[FloatArray, Driven | None]:
         """Return the displacements x_{n+1} without contact with the acceleration of a free speed,
         from the predicted ones with the last acceleration, and the speed that follows.
@@ -427,6 +501,8 @@ class Reference:
         velocity = (later - before) / (2.0 * dt)
         swept = place[0] * velocity[1] - place[1] * velocity[0] + now.speed * place @ place
         torque = drive.torque - drive.loss * now.speed - drive.damping * swept
+        if self._problem.bearings is not None:
+            torque += self._problem.bearings.torque(now.angle, x[:modes], held)
         momentum = old.momentum + dt * torque
 
         # The momentum is quadratic in the change of the acceleration, on which x_{n+1} depends

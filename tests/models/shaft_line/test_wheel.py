@@ -21,6 +21,7 @@ from bladewhirl.models.shaft_line.line import line_model
 from bladewhirl.models.shaft_line.orders import moves_line, order_motion
 from bladewhirl.models.shaft_line.whirl import line_modes, sag
 from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.superelements.file import write_superelement
 
 SECTORS = 5
@@ -217,6 +218,11 @@ def test_wheels_off_the_shaft_or_at_one_place_are_refused(
     with pytest.raises(CaseError) as error:
         case_of(tmp_path, fan("sector"), **change)
     assert [fault.key for fault in error.value.faults] == [key]
+
+
+def test_a_march_of_a_wheel_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match=r"shaft_line.wheel = .*: expected no wheel in a march"):
+        build_stage(case_of(tmp_path, fan("sector")))
 
 
 def test_a_file_without_hub_is_refused(tmp_path: Path) -> None:

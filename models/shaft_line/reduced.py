@@ -1,0 +1,125 @@
+"""A shaft line on a few modes in rotating axes, without its bearings.
+
+Deflections and slopes of a round line are zeta = Phi (q_x + i q_y) in rotating axes, with the same
+real shapes Phi in both planes. At the speed Omega, with the symbols of `line`,
+
+    M (zeta'' + 2 i Omega zeta' + (i Omega' - Omega^2) zeta) - i P (Omega zeta' + (Omega'/2 + i
+    Omega^2) zeta) + t K_s zeta' + K_s zeta = f
+
+so that Coriolis and Euler forces are -2 Omega G q' - Omega' G q with G = i (M - P/2). The Euler
+part takes half of the polar inertia times the acceleration, as solids in rotating axes do: the
+moment of the drive then has half of its direction from the shaft's own axis and half from the fixed
+one, see the documentation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.shaft_line.line import LineModel, real_form
+
+DEPENDENT = 1e-9
+"""A shape is left out if the part of it that others do not contain is a smaller fraction of it."""
+
+LOW = 1e-2
+"""Static shapes of an unheld line are those on an elastic support of its masses that gives this
+fraction of the reference frequency."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedLine:
+    """A shaft line on modes at a speed, those of the plane x before those of the plane y."""
+
+    speed: float  #: speed [rad/s]
+    squares: FloatArray  #: squared frequencies in rotating axes [rad2/s2], (modes of a plane,)
+    shapes: FloatArray  #: deflection and slope of each node in a plane, (n, modes of a plane)
+    gyroscopic: FloatArray  #: skew matrix 2 G, for a speed of 1 rad/s, (modes, modes)
+    stiffness_speed: FloatArray  #: increase of the stiffness by Omega^2, (modes, modes)
+    damping: FloatArray  #: internal damping [1/s], (modes, modes)
+
+    def rows(self, unknowns: FloatArray) -> ComplexArray:
+        """Return displacements x + i y for unit modal coordinates, (rows, modes), from rows on the
+        unknowns of the shaft in a plane."""
+        plane = unknowns @ self.shapes
+        return np.hstack([plane, 1j * plane])
+
+    def forces(self, force: ComplexArray) -> FloatArray:
+        """Return the modal forces of forces x + i y on the unknowns of the shaft, (modes,)."""
+        plane = self.shapes.T @ force
+        return np.concatenate([plane.real, plane.imag])
+
+    def coordinates(self, line: LineModel, unknowns: ComplexArray) -> FloatArray:
+        """Return the modal coordinates of displacements x + i y of the shaft, (modes,): those with
+        the smallest kinetic energy of the difference."""
+        size = len(self.shapes)
+        return self.forces(line.mass[:size, :size] @ unknowns[:size])
+
+
+def reduced_line(line: LineModel, speed: float, modes: int) -> ReducedLine:
+    """Return a shaft line on modes.
+
+    The modes contain the static shapes of forces of the bearings, and as many modes of the line
+    without bearings as there is room for, at rest and at the speed, the lowest first.
+
+    Args:
+        line: the shaft line.
+        speed: largest speed [rad/s], to which the modes belong.
+        modes: number of modes of a plane; all unknowns of the shaft if there are fewer.
+    """
+    size = 2 * len(line.position)
+    mass, polar, stiffness = (
+        each[:size, :size] for each in (line.mass, line.polar, line.shaft_stiffness)
+    )
+    basis = np.eye(size)
+    if modes < size:
+        basis = _independent(_candidates(line, mass, polar, stiffness, speed), mass, modes)
+    at_speed = stiffness - speed**2 * (mass - polar)
+    squares, on_basis = la.eigh(basis.T @ at_speed @ basis, basis.T @ mass @ basis)
+    shapes = basis @ on_basis
+    twice, softer, bent = (
+        shapes.T @ each @ shapes for each in (2.0 * mass - polar, polar - mass, stiffness)
+    )
+    return ReducedLine(
+        speed=speed,
+        squares=squares,
+        shapes=shapes,
+        gyroscopic=real_form(1j * twice),
+        stiffness_speed=real_form(softer),
+        damping=line.table.loss_time * real_form(bent),
+    )
+
+
+def _candidates(
+    line: LineModel, mass: FloatArray, polar: FloatArray, stiffness: FloatArray, speed: float
+) -> FloatArray:
+    """Return shapes in order of their importance, (n, shapes)."""
+    size = len(mass)
+    squares, free = la.eigh(stiffness, mass)
+    soft = stiffness + (LOW * line.reference_frequency) ** 2 * mass
+    held = la.solve(soft, line.bearing_rows[:, :size].T, assume_a="pos")
+    frequency = np.sqrt(np.maximum(squares, 0.0))
+    turning = speed * free.T @ polar @ free
+    none, one = np.zeros_like(turning), np.eye(size)
+    # w (A + w) f = K f for whirl at the frequency w, with the sign of its direction.
+    values, vectors = la.eig(np.block([[none, one], [np.diag(frequency**2), turning]]))
+    order = np.argsort(np.abs(values))
+    whirl = free @ vectors[:size, order].real
+    by_level = np.stack([free, whirl[:, 0::2], whirl[:, 1::2]], axis=2)
+    return np.hstack([held, by_level.reshape(size, -1)])
+
+
+def _independent(shapes: FloatArray, mass: FloatArray, most: int) -> FloatArray:
+    """Return the first independent shapes, orthonormal with the mass, (n, most)."""
+    chosen = np.zeros((len(mass), 0))
+    for shape in shapes.T:
+        left = shape / np.sqrt(shape @ mass @ shape)
+        for _ in range(2):
+            left = left - chosen @ (chosen.T @ (mass @ left))
+        own = float(np.sqrt(left @ mass @ left))
+        if own > DEPENDENT:
+            chosen = np.column_stack([chosen, left / own])
+        if chosen.shape[1] == most:
+            break
+    return chosen

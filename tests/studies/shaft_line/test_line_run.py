@@ -1,0 +1,135 @@
+"""Runs of a shaft line: results, summary, figures, report, resumed marches, sweeps."""
+
+import json
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case, case_from
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.postprocess.paraview.series import export_vtk
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.studies.runs.run import resume, run
+
+
+def line_case(*, gravity: bool = True, **march: object) -> Case:
+    """A line on a support, with an unbalance, under gravity."""
+    line = {
+        "segments": [{"length": 0.6, "outer_diameter": 0.04, "elements": 4}],
+        "disks": [{"position": 0.3, "mass": 8.0, "polar_inertia": 0.06, "diametral_inertia": 0.03}],
+        "bearings": [
+            {
+                "name": "front",
+                "position": 0.0,
+                "stiffness": 2e6,
+                "damping": 400.0,
+                "support": {"mass": 3.0, "stiffness": 8e6, "damping": 100.0},
+            },
+            {"position": 0.6, "stiffness": [[3e6, 0.0], [0.0, 2e6]], "damping": 500.0},
+        ],
+        "unbalance": [{"position": 0.3, "unbalance": 2e-3}],
+        "modes": 6,
+    }
+    given = {"speed": "1800 rpm", "time_step": 1e-5, "duration": 0.05, "record_step": 1e-4}
+    tables = {"shaft_line": line, "march": given | march}
+    return case_from(tables | ({} if "drive" in march and not gravity else {"gravity": {}}))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run."""
+    place = tmp_path_factory.mktemp("line") / "run"
+    run(line_case(), place, frames=0)
+    return place
+
+
+def test_a_result_has_the_motion_of_the_line_and_the_forces_of_its_bearings(folder: Path) -> None:
+    with bw.open_result(folder) as result:
+        moved, force = result["shaft_displacement"], result["bearing_force"]
+        assert moved.sizes == {"time": 501, "shaft_node": 5, "shaft_component": 6}
+        assert result["bearing_name"].values.tolist() == ["front", "2"]
+        assert result.sizes["contact_node"] == 0
+        # the line moves by the static sag and turns its sections as it bends
+        along = np.gradient(moved.values[0, :, 1], result["shaft_position"].values)
+        slope = -moved.sel(shaft_component="rotation_x").values[0]
+        np.testing.assert_allclose(along[1:-1], slope[1:-1], atol=0.15 * abs(slope).max())
+        # a force of the bearing on the support: stiffness of the bearing times the difference
+        support = result["support_displacement"].values[0, 0]
+        np.testing.assert_allclose(
+            force.values[0, 0], -2e6 * (moved.values[0, 0, :2] - support), rtol=1e-9, atol=1e-9
+        )
+        assert result["line_energy"].values[0] > 0.0
+
+
+def test_summary_figures_and_report(folder: Path, tmp_path: Path) -> None:
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert summary["regime"] == "no-contact"
+    assert summary["energy_residual"] < 1e-9
+    with bw.open_result(folder) as result:
+        force = np.hypot(*np.moveaxis(result["bearing_force"].values, 2, 0))
+        assert summary["bearing_force_max"] == force.max()
+        x, y, *_ = np.moveaxis(result["shaft_displacement"].values, 2, 0)
+        assert summary["shaft_radius_max"] == np.hypot(x, y).max()
+        _, orbits = RunFigures(result).draw("line-orbits")
+        assert orbits["support"].values[:, 0].any()
+        _, forces = RunFigures(result).draw("line-bearing-forces")
+        np.testing.assert_array_equal(forces["force"].values, force)
+        with pytest.raises(bw.UserError, match="tip_angle"):
+            RunFigures(result).draw("forces")
+    assert "largest force of a bearing" in bw.report(folder).read_text(encoding="utf-8")
+
+
+def test_a_resumed_run_is_the_same_to_the_last_bit(folder: Path, tmp_path: Path) -> None:
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    run(line_case(duration=0.03), part, frames=0)
+    resume(part, ["march.duration=0.05"], frames=0)
+    with bw.open_result(part) as found, bw.open_result(folder) as expected:
+        assert not whole.exists()
+        for name in ("shaft_displacement", "bearing_force", "coupling_work", "energy"):
+            np.testing.assert_array_equal(found[name].values, expected[name].values)
+
+
+def test_a_free_line_is_braked_by_its_losses(tmp_path: Path) -> None:
+    case = line_case(drive={"inertia": 0.1, "loss": 0.5}, gravity=False)
+    run(case, tmp_path / "run", frames=0)
+    with bw.open_result(tmp_path / "run") as result:
+        speed, time = result["rotation_speed"].values, result["time"].values
+        inertia = 0.1 + 0.06 + 7850.0 * 0.6 * np.pi / 32.0 * 0.04**4
+        decay = np.exp(-0.5 / inertia * time)
+        np.testing.assert_allclose(speed / speed[0], decay, rtol=2e-3)
+
+
+def test_gravity_and_a_free_speed_are_refused() -> None:
+    with pytest.raises(CaseError, match=r"gravity = .*march.drive"):
+        line_case(drive={"inertia": 0.1})
+
+
+def test_a_time_step_above_the_limit_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match=r"march.time_step = 0.001: .* fewer shaft_line.modes"):
+        run(line_case(time_step=1e-3, record_step=1e-3), tmp_path / "run", frames=0)
+
+
+@pytest.mark.parametrize("rotating", [False, True])
+def test_a_series_has_the_surface_of_the_shaft(
+    folder: Path, tmp_path: Path, rotating: bool
+) -> None:
+    """A point on a section moves by the deflection and turns about it."""
+    with bw.open_result(folder) as result:
+        export_vtk(result, tmp_path, frames=3, rotating=rotating, exaggeration=50.0)
+        moved = result["shaft_displacement"].values[-1, 2]
+        turned = result.attrs["speed"] * float(result["time"][-1])
+    mesh = meshio.read(tmp_path / "frames" / "rotor_00002.vtu")
+    section = np.isclose(mesh.points[:, 2], 0.3)
+    middle = mesh.point_data["displacement"][section].mean(axis=0)
+    of_axis = (moved[0] + 1j * moved[1]) * np.exp(-1j * turned * rotating)
+    np.testing.assert_allclose(middle[0] + 1j * middle[1], of_axis, atol=1e-4 * abs(of_axis))
+    _, y, _ = mesh.points[section].T
+    x = mesh.points[section, 0]
+    tilt = (moved[3] + 1j * moved[4]) * np.exp(-1j * turned * rotating)
+    along = mesh.point_data["displacement"][section, 2]
+    np.testing.assert_allclose(along, tilt.real * y - tilt.imag * x, atol=1e-4 * abs(along).max())
+    warp = mesh.point_data["warp"]
+    np.testing.assert_allclose(warp, 50.0 * mesh.point_data["displacement"], rtol=1e-5)
