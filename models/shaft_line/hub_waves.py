@@ -20,6 +20,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.hub import (
@@ -95,10 +96,8 @@ def hub_waves(part: Superelement, highest: float) -> dict[int, HubWave]:
     """
     hub_of(part)
     if missing := [key for key in NEEDED if highest and getattr(part, key) is None]:
-        raise SuperelementError(
-            f"{part.name}: expected {' and '.join(missing)}, by which a wheel that turns with a"
-            " shaft line tilts"
-        )
+        text = "by which a wheel that turns with a shaft line tilts"
+        raise SuperelementError(Fault(expected=f"{' and '.join(missing)}, {text}"))
     motions = rigid_motions(part)
     check_hub(part, motions)
     try:
@@ -130,9 +129,8 @@ def _wave(part: Superelement, rigid: ComplexArray, states: "list[_Held]", k: int
     if k and part.left_dofs is None:
         mirror = abs(basis.T @ (part.mass @ basis))[2:, 2:]
         if mirror.size and mirror.max() > UNEQUAL:
-            raise SuperelementError(
-                f"{part.name}: expected equal blades; a wheel on a shaft line cannot be mistuned"
-            )
+            expected = "equal blades; a wheel on a shaft line cannot be mistuned"
+            raise SuperelementError(Fault(expected=expected))
     share = sectors / (1 + k)  # the wave of nodal diameter 1 is two real ones
     forms = part.projected(basis, Rotating.FORMS)
     forms["stiffness"][:2] = forms["stiffness"][:, :2] = 0.0  # but for rounding errors

@@ -98,4 +98,5 @@ def _damped(wave: HubWave, ratio: float) -> HubWave:
 @lru_cache(maxsize=4)
 def _waves(table: SuperelementTable, highest: float, *stamp: int) -> dict[int, HubWave]:
     """Reduce a file once for all speeds; its stamp makes sure that a changed file is read again."""
-    return hub_waves(table.with_hub, highest)
+    copies = table.copies if table.copies > 1 or table.kind == "sector" else None
+    return hub_waves(replace(table.with_hub, sectors=copies), highest)

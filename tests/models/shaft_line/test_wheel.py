@@ -1,5 +1,6 @@
 """Wheels of solids on a shaft line, compared with the whole rotor in rotating axes."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -167,6 +168,20 @@ def test_a_turning_fan_hangs_with_its_weight_on_the_bearings(tmp_path: Path) -> 
     assert forces.sum() == pytest.approx(9.81j * (of_wheel + mass), rel=1e-8)
     moment = 9.81j * (of_wheel * 0.6 + arm + mass * 0.3)
     assert (forces * np.array([0.0, 0.4])).sum() == pytest.approx(moment, rel=1e-8)
+
+
+def test_the_case_may_state_the_number_of_sectors(tmp_path: Path) -> None:
+    given = case_of(tmp_path, fan("sector"))
+    unknown = replace(fan("sector"), sectors=None)
+    write_superelement(tmp_path / "unknown.npz", unknown)
+    own = {"file": str(tmp_path / "unknown.npz"), "copies": SECTORS}
+    tables = given.model_dump(exclude_defaults=True)
+    stated = case_from({"bladed_disk": {"superelement": own}, "shaft_line": tables["shaft_line"]})
+    expected = line_modes(line_model(given), 0.0, 4).eigenvalue
+    assert line_modes(line_model(stated), 0.0, 4).eigenvalue == pytest.approx(expected, rel=1e-12)
+    few = {"bladed_disk": {"superelement": own | {"copies": 2}}}
+    with pytest.raises(CaseError, match="sectors: expected at least 3"):
+        line_model(case_from(few | {"shaft_line": tables["shaft_line"]}))
 
 
 def test_a_hub_of_two_unknowns_does_not_tilt(tmp_path: Path) -> None:
