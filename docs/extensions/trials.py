@@ -115,6 +115,8 @@ def _accepts(name: str, disk: Tables) -> bool:
     """Return whether a study accepts a stage, given by the tables of its bladed disk."""
     tried, tables = ROWS[name]
     given = {key: {**disk.get(key, {}), **tables.get(key, {})} for key in {*disk, *tables}}
+    if "shaft_line" in disk:
+        given.pop("rotation", None)  # a line has these effects without the table
     try:
         tried(bw.case_from(given))
     except bw.UserError:

@@ -18,7 +18,7 @@ NOT_ROUND = "`periodic`, wall that is not round"
         ("sector", {"`campbell`", "with `bladed_disk.mistuning`", "with `march.speed_table`"}),
         ("wheel", {"`campbell`", "with `bladed_disk.mistuning`", "with `march.speed_table`"}),
         ("wheel with a hub", {"`critical-speeds`", "`veering`", "`periodic`, imbalance"}),
-        ("shaft line", {"`campbell`", "`critical-speeds`"}),
+        ("shaft line", {"`campbell`", "`critical-speeds`", "with `march.speed_table`"}),
     ],
 )
 def test_studies_are_tried_with_stages_that_they_can_take(kind: str, expected: set[str]) -> None:
