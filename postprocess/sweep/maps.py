@@ -111,7 +111,8 @@ def _laid(
 def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     """Draw maps from `sweep_maps`, with a row of panels for each line of the Dataset.
 
-    Growth rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate can
+    Points without contact have the mark of their regime in the map of displacements too. Growth
+    rates within `CERTAINTY` standard errors of zero are crossed out. If the growth rate can
     be judged at no point, the map of growth rates is left out.
     """
     given, maps = maps, drawing.in_handy_units(maps)
@@ -147,6 +148,10 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         if len(pictures) > 1:
             crossed = np.ma.masked_where(~doubtful[number], growth[number])
             draw_cells(row[2], maps, crossed, cmap=ListedColormap(["white"]), **CROSSED)
+        free = np.nonzero(regime_names(maps)[number] == "no-contact")
+        place = maps[along].values[free[1]], maps[across].values[free[0]]
+        mark = drawing.REGIME_MARKS["no-contact"]
+        row[1].plot(*place, mark, color="black", markersize=3.0)
         for axes in row:
             _draw_branches(axes, maps, given)
         for axes in row[: columns if narrow else 1]:
@@ -212,4 +217,4 @@ def _of_magnitudes(values: Array) -> Normalize:
         return Normalize(0.0, 1.0)
     if positive.max() > CLEAR_RANGE * np.median(positive):
         return LogNorm(positive.min(), positive.max())
-    return Normalize(positive.min() if np.ptp(positive) > 0 else 0.0, positive.max())
+    return Normalize(0.0, positive.max())
