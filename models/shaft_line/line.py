@@ -193,7 +193,7 @@ def refuse_line(case: Case) -> None:
     """
     if case.shaft_line is not None:
         expected = (
-            "not allowed here: it has no blades; a shaft line has run, modes, campbell,"
+            "not allowed here: a shaft line has run, modes, campbell,"
             " critical-speeds, response and show"
         )
         raise CaseError([Fault(key="shaft_line", expected=expected)])
