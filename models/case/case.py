@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from bladewhirl.models.case.check import UNKNOWN_KEY, faults_of
+from bladewhirl.models.case.joint_faults import joint_faults
 from bladewhirl.models.case.sensors import sensor_faults
 from bladewhirl.models.case.shaft_line import beside_line
 from bladewhirl.models.case.superelement import SOURCE
@@ -57,6 +58,7 @@ class Case(Tables):
                 yield fault._replace(key=f"{key}.{fault.key}")
         yield from super().inconsistencies()
         yield from sensor_faults(self.sensor, self.blades)
+        yield from joint_faults(self.joint, self.superelement, self.reduction.boundary)
         if self.superelement is None:
             yield from broken("Case of beams", self)
         else:

@@ -16,7 +16,7 @@ from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.case.check import dotted, faults_of
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault, UserError
-from bladewhirl.models.inputs.table import Table, path_of, value_at
+from bladewhirl.models.inputs.table import Table, path_of, row_of, value_at
 
 MOST_LETTERS = 2**24  #: largest length of a case file [characters]; a longer file cannot be a case
 
@@ -121,7 +121,8 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
             TOML value. A value that is not TOML and does not start with a quote or a bracket is
             taken as a string. A value that is a table replaces the entire table:
             ``excitation={type="none"}``. A number selects a row of a list, from 0:
-            "excitation.1.amplitude=2". A new excitation.type removes the keys of other types.
+            "excitation.1.amplitude=2"; so does a name: "joint.shroud.friction=0.2". A new
+            excitation.type removes the keys of other types.
 
     Raises:
         CaseError: the text is not TOML, or the case is invalid; the error lists all faults.
@@ -241,14 +242,14 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
     for number, parent in enumerate(parents):
         outer, place = table, parent
         if isinstance(outer, list):
-            place = int(parent)
+            place = int(row_of(outer, parent))
         else:
             outer.setdefault(place, {})
         table = outer[place]
         expected = f"a key of a table; {parent} is not a table"
         if isinstance(table, list | tuple) and len(table) and isinstance(table[0], dict):
             table = outer[place] = list(table)
-            row = parents[number + 1] if number + 1 < len(parents) else ""
+            row = str(row_of(table, parents[number + 1])) if number + 1 < len(parents) else ""
             listed = ".".join(parents[: number + 1])
             expected = (
                 f"the number of a row, {listed}.0 to {listed}.{len(table) - 1}: {listed} is a list"

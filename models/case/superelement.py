@@ -5,8 +5,11 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import model_validator
 
+from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.case.joint import Joint
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.rules import Inconsistency
 from bladewhirl.models.inputs.table import Table, path_of, value_at
@@ -57,6 +60,39 @@ class SuperelementTable(Table):
     def with_hub(self) -> Superelement:
         """The superelement with the hub of the file."""
         return _single(self.kind, self.copies, self.file, *self.stamp)
+
+    def joint_nodes(self, joint: Joint) -> tuple[list[int], list[int]]:
+        """Return the contact nodes of a blade on the left and the right side of a joint.
+
+        Raises:
+            ValueError: the file has no such nodes; the message completes "expected ...".
+            SuperelementError: the file is not a superelement.
+        """
+        part = self.part
+        nodes = part.contacts // (self.copies if self.kind == "wheel" else 1)
+        if joint.left:
+            if self.left_out:
+                raise ValueError(
+                    "a file with joint_left and joint_right, as contact nodes at the place of"
+                    " others are left out and the numbers change"
+                )
+            left, right = list(joint.left), list(joint.right)
+            if max(left + right) >= nodes:
+                raise ValueError(f"contact nodes of a blade, from 0 to {nodes - 1}")
+        elif part.joint_left is None or part.joint_right is None:
+            raise ValueError("numbers of contact nodes, or a file with joint_left and joint_right")
+        else:
+            left, right = part.joint_left.tolist(), part.joint_right.tolist()
+        own, other = part.contact_position[left], part.contact_position[right]
+        pitch = 2.0 * np.pi / self.copies
+        apart = np.linalg.norm(rotate(own, pitch) - other, axis=1)
+        room = np.sin(0.5 * pitch) * part.contact_radius[right]
+        if far := [n for n in range(len(left)) if apart[n] > room[n]]:
+            raise ValueError(
+                f"nodes on the clockwise side of a blade: node {left[far[0]]} of the next blade is"
+                f" {apart[far[0]]:.3g} m from node {right[far[0]]} of the right side"
+            )
+        return left, right
 
     @property
     def left_out(self) -> int:

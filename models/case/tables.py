@@ -11,6 +11,7 @@ from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import Excitation, ExcitationTable, NoExcitation
 from bladewhirl.models.case.gauge_positions import with_gauge_points
+from bladewhirl.models.case.joint import JointRows
 from bladewhirl.models.case.sensors import SensorRows
 from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.shaft_line import Gravity, ShaftLine
@@ -56,6 +57,9 @@ class Tables(ReplacedKeys):
     """Blades that break off during the march; needs equal blades of beams without shrouds."""
     sensor: SensorRows = ()
     """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
+
+    joint: JointRows = ()
+    """Friction joints between neighbouring blades of a superelement, each a table [[joint]]."""
 
     @model_validator(mode="before")
     @classmethod

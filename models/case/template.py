@@ -5,12 +5,16 @@ from collections.abc import Iterator
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS, NoExcitation
+from bladewhirl.models.case.joint import Joint
 from bladewhirl.models.case.sensors import EXAMPLES
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 
 COLUMNS = 96
+
+ROWS = ("sensor", "joint")
+"""Keys whose rows have their own headings."""
 
 _HEAD = """\
 A case of bladewhirl. Every key below stands at its default and may be left out.
@@ -42,10 +46,13 @@ def _document(case: Case, *, commented: bool) -> str:
                 parts += [_alternative(kind()) for kind in EXCITATIONS.values()]
     for load in case.excitation if isinstance(case.excitation, tuple) else ():
         parts.append(f"[[excitation]]\n{''.join(_keys(load, commented=False))}")
-    for sensor in case.sensor:
-        parts.append(f"[[sensor]]\n{''.join(_keys(sensor, commented=False))}")
+    for name in ROWS:
+        parts += [
+            f"[[{name}]]\n{''.join(_keys(row, commented=False))}" for row in getattr(case, name)
+        ]
     if commented:
         parts += [_alternative(sensor, "[[sensor]]\n") for sensor in EXAMPLES]
+        parts.append(_alternative(Joint(), "[[joint]]\n"))
     return "\n".join(part for part in parts if part)
 
 
@@ -58,7 +65,7 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
             continue
         if isinstance(table, Case) and isinstance(value, Table):
             continue  # has its own heading; nested tables are written inline
-        if isinstance(table, Case) and name in ("excitation", "sensor"):
+        if isinstance(table, Case) and name in ("excitation", *ROWS):
             continue  # each row has its own heading, at the end
         if commented:
             yield _comment(descriptions[name])

@@ -40,6 +40,7 @@ def value_at(tables: object, path: Path, default: object = None) -> Any:
     value: Any = tables
     for part in path:
         try:
+            part = row_of(value, part)
             if isinstance(value, Table):
                 names = {field.alias: name for name, field in type(value).model_fields.items()}
                 value = getattr(value, names.get(str(part), str(part)))
@@ -48,6 +49,15 @@ def value_at(tables: object, path: Path, default: object = None) -> Any:
         except (AttributeError, KeyError, IndexError, TypeError):
             return default
     return value
+
+
+def row_of(value: object, part: str | int) -> str | int:
+    """Return the number of the row with a name, if a value is a list of tables; otherwise the part
+    of a key as it is."""
+    if not isinstance(value, list | tuple) or not isinstance(part, str):
+        return part
+    names = [value_at(row, ("name",)) for row in value]
+    return names.index(part) if part in names else part
 
 
 class Table(BaseModel):

@@ -155,6 +155,9 @@ def march_faults(stage: Stage, loads: tuple[Load, ...], *, steps: bool = True) -
         yield case_fault(case, "reduction.modes", expected)
     if steps:
         yield from time_step_faults(stage)
+        if case.joint:
+            expected = "not allowed in a march, which has no joints: bladewhirl periodic has them"
+            yield case_fault(case, "joint", expected)
     yield from stage.own_faults()
     if stage.coating is not None:
         yield from rod_faults(case, stage.coating, stage.speed)

@@ -190,12 +190,22 @@ class Matrices(Stage):
         means, reduced = self._mean_along(load), self.reduced
         return reduced.points_by_force(means) if load.points else means @ reduced.compliance
 
+    @property
+    def tips(self) -> IntArray:
+        """Contact nodes of a copy that are in no joint, all if there are no others, (tips,)."""
+        pairs = [self.table.joint_nodes(joint) for joint in self.case.joint]
+        joined = np.array([node for pair in pairs for side in pair for node in side], dtype=int)
+        within = np.arange(self.part.contacts) % np.bincount(self.blade)[0]
+        free = np.flatnonzero(~np.isin(within, joined))
+        return free if len(free) else np.arange(self.part.contacts)
+
     def _mean_along(self, load: EngineOrder) -> sp.csr_array:
         """Return the mean displacement on each blade of a copy along the direction of a load, as
         rows on contact nodes or on the points of the load, see `mean_along`."""
         nodes = self.part.contacts
         if not load.points:
-            return mean_along(load, self.blade, np.zeros(nodes), np.arange(nodes), nodes)
+            tips = self.tips
+            return mean_along(load, self.blade[tips], np.zeros(len(tips)), tips, nodes)
         number = np.asarray(load.points)
         if self.table.kind == "sector":  # the points of the wheel are those of all sectors
             number = np.searchsorted(self.shown, number)
@@ -280,6 +290,11 @@ class Matrices(Stage):
         """Yield warnings about contact nodes and matrices of the file that are not used, about a
         damping matrix that adds to the modal damping, and about a contact node that the given
         friction locks against the wall."""
+        if self.case.joint:
+            yield (
+                "joints act in bladewhirl periodic only: modes and responses are those of blades"
+                " without joints"
+            )
         if left_out := self.table.left_out:
             yield (
                 f"{left_out} contact nodes of the file are left out: they are at the place of"

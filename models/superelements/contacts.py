@@ -14,6 +14,8 @@ from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
+JOINTS = ("joint_left", "joint_right")  #: nodes of joints, which are all kept
+
 
 def on_next_sector(position: FloatArray, sectors: int) -> BoolArray:
     """Return which nodes of a sector are also nodes of the next sector, counter-clockwise, (n,).
@@ -52,6 +54,8 @@ def with_single_contacts(part: Superelement, kind: str, copies: int) -> Superele
     place = places_of(position, COINCIDENT * float(abs(position).max()))
     order = np.lexsort([ahead.round(9), place])
     kept[np.delete(order, np.unique(place[order], return_index=True)[1])] = False
+    joints = [getattr(part, key) for key in JOINTS if getattr(part, key) is not None]
+    kept[np.concatenate([np.zeros(0, dtype=np.int64), *joints])] = True
     if kept.all():
         return part
     numbers = np.bincount(blade[kept], minlength=blades)
@@ -61,4 +65,6 @@ def with_single_contacts(part: Superelement, kind: str, copies: int) -> Superele
             f" {len(kept)} are at the place of others, on some blades only"
         )
     chosen = {key: getattr(part, key)[kept] for key in ("contact_position", "contact_dofs")}
+    place = np.cumsum(kept) - 1
+    chosen |= {key: place[each] for key, each in zip(JOINTS, joints, strict=False)}
     return replace(part, **chosen)

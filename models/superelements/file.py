@@ -31,7 +31,10 @@ from bladewhirl.models.superelements.superelement import (
 
 MATRICES = (*Superelement.FORMS, *Superelement.ROWS)
 SPEED, SECTORS, MASS = "speed", "sectors", "whole_mass"
-INTEGERS = ("contact_dofs", "centre_dofs", "hub_dofs", "triangles", "left_dofs", "right_dofs")
+INTEGERS = (
+    *("contact_dofs", "centre_dofs", "hub_dofs", "triangles", "left_dofs", "right_dofs"),
+    *("joint_left", "joint_right"),
+)
 TEXTS = ("name", "source", "command", "mesh_axis")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
 ROUNDING = 1e-9
@@ -98,7 +101,7 @@ def superelement_of(content: Mapping[str, Any]) -> Superelement:
     for key in ("left_dofs", "right_dofs"):
         if key in values and values[key].size % 3 == 0:
             values[key] = values[key].reshape(-1, 3)
-    for key in ("centre_dofs", "hub_dofs"):
+    for key in ("centre_dofs", "hub_dofs", "joint_left", "joint_right"):
         if key in values:
             values[key] = values[key].ravel()
     part = _with_rotations(Superelement(**values), length)

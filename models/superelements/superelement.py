@@ -110,6 +110,11 @@ class Superelement(Rotating[Matrix]):
     right_dofs: IntArray | None = None
     """Numbers of the x, y and z displacements of the matching nodes on the counter-clockwise face,
     which is the clockwise face turned by one pitch, (l, 3)."""
+    joint_left: IntArray | None = None
+    """Contact nodes on the clockwise side of a blade that touch the next blade, (j,)."""
+    joint_right: IntArray | None = None
+    """Contact nodes on the counter-clockwise side, each of which touches the node of joint_left at
+    the same position on the next blade, (j,)."""
     sectors: int | None = None
     """Number of sectors of the wheel with left_dofs, or of blades of a wheel in one piece, if it is
     known."""
@@ -225,6 +230,7 @@ def _faults(part: Superelement) -> Iterator[str]:
             " m; give the units of the program, such as mm and t for a stiffness in N/mm"
         )
     yield from _dof_faults(part, "contact_dofs", (c, 3), fixed=True)
+    yield from _joint_faults(part)
     if part.centre_dofs is not None:
         yield from _dof_faults(part, "centre_dofs", (2,))
     yield from _hub_faults(part)
@@ -275,6 +281,20 @@ def _hub_faults(part: Superelement) -> Iterator[str]:
     for key, others in part.given(("contact_dofs", "left_dofs", "right_dofs")).items():
         if np.isin(others, dofs).any():
             yield f"{key}: expected degrees of freedom that are not those of the hub"
+
+
+def _joint_faults(part: Superelement) -> Iterator[str]:
+    if part.joint_left is None or part.joint_right is None:
+        if part.joint_left is not part.joint_right:
+            yield "joint_left: expected both joint_left and joint_right, or neither"
+        return
+    both = np.concatenate([part.joint_left.ravel(), part.joint_right.ravel()])
+    if part.joint_left.size != part.joint_right.size or not part.joint_left.size:
+        yield "joint_right: expected as many nodes as joint_left, at least one"
+    elif both.min() < 0 or both.max() >= part.contacts:
+        yield f"joint_left: expected numbers of contact nodes, from 0 to {part.contacts - 1}"
+    elif len(np.unique(both)) < both.size:
+        yield "joint_left: expected each contact node at most once in joint_left and joint_right"
 
 
 def _picture_faults(part: Superelement) -> Iterator[str]:

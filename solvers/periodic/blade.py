@@ -7,16 +7,10 @@ period T = 2 pi / (p Omega), and each harmonic h with the frequency w = h p Omeg
     u_h = H(w) f_h,   H(w) = C + P (W^2 - w^2 + i w D)^-1 P^T.
 
 On a grid of n instants in a period, responses to forces are cyclic convolutions. In a step the mean
-of the forces at both ends acts, and the modes respond exactly: with the transition matrix E of a
-step and the response G to a constant force, the state y of the modes satisfies
-
-    y_{i+1} = E y_i + G (f_i + f_{i+1}) / 2.
-
-Because motions are periodic, the harmonic k of y at the instants is (z - E)^-1 G (1 + z) / 2 times
-that of f with z = exp(2 i pi k / n), and eigenvalues of the modes make these matrices diagonal. In
-contact this is the average acceleration method of Newmark, which is stable for any step; with
-forces that are linear in a step (linear acceleration) small deviations would grow in contacts of
-several steps that are longer than 3.46 / w, with the frequency w of the modes with closed contacts.
+of the forces at both ends acts, and the modes respond exactly, see `steps`. In contact this is the
+average acceleration method of Newmark, which is stable for any step; with forces that are linear in
+a step (linear acceleration) small deviations would grow in contacts of several steps that are
+longer than 3.46 / w, with the frequency w of the modes with closed contacts.
 In contrast to a trigonometric interpolation, forces have no effect on instants before them, and a
 Newton method finds motions with many contact nodes more often.
 
@@ -32,11 +26,12 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.coupling.equations import Matrix, companion
+from bladewhirl.models.coupling.equations import Matrix
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import NEVER, Load
 from bladewhirl.models.stage.wall import around_wall
 from bladewhirl.solvers.periodic.ring import Ring
+from bladewhirl.solvers.periodic.steps import Steps
 
 DIRECTIONS = 3  #: radial, tangential, axial
 SEEN = 1e-9  #: harmonics of the clearance below this fraction of the largest are rounding errors
@@ -316,60 +311,24 @@ class Grid:
         return self.step * np.arange(float(self.instants))
 
     @cached_property
+    def _steps(self) -> Steps:
+        return Steps(self.blade.stiffness, self.blade.damping, self.step)
+
+    @property
     def unit(self) -> float:
         """Frequency that multiplies modal coordinates in the state (unit q, q') [rad/s]."""
-        return float(np.sqrt(np.abs(self.blade.stiffness).max()))
-
-    @cached_property
-    def _poles(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Eigenvalues z of a step of independent sets of modes, (sets, size), their vectors in the
-        state (unit q, q') and the inverse of these, (sets, size, size). Modes are independent if
-        the matrix D is diagonal; otherwise there is one set."""
-        blade = self.blade
-        rates = np.diag(blade.damping)
-        if np.count_nonzero(blade.damping - np.diag(rates)):
-            state = companion(-np.diag(blade.stiffness), -blade.damping, self.unit)[None]
-        else:
-            alone = -blade.stiffness[:, None, None], -rates[:, None, None]
-            state = companion(*alone, self.unit)
-        values, vectors = np.linalg.eig(self.step * state)
-        vectors = vectors.astype(np.complex128)
-        return values.astype(np.complex128), vectors, np.linalg.inv(vectors)
+        return self._steps.unit
 
     @cached_property
     def transition(self) -> tuple[FloatArray, FloatArray]:
         """Matrices E and G of a step of the state (unit q, q'), (2 * modes, 2 * modes) and
         (2 * modes, 3 * nodes)."""
-        blade, modes = self.blade, len(self.blade.stiffness)
-        values, vectors, inverse = self._poles
-        sets, own = len(values), values.shape[1] // 2
-
-        def moved(factors: ComplexArray, into: ComplexArray) -> FloatArray:
-            """Return the matrix of a factor for each eigenvalue."""
-            parts = ((vectors * factors[:, None]) @ into).real
-            columns = parts.shape[-1] // own
-            parts = parts.reshape(sets, 2, own, columns, own)
-            full = np.zeros((2, sets, own, columns, sets, own))
-            for n in range(sets):
-                full[:, n, :, :, n] = parts[n]
-            return full.reshape(2 * modes, columns * modes)
-
-        by_force = self.step * moved(_held(values), inverse[:, :, own:]) @ blade.contact.T
-        return moved(np.exp(values), inverse), by_force
+        return self._steps.transition(self.blade.contact)
 
     @cached_property
     def _answers(self) -> ComplexArray:
-        """Harmonics 0 to instants / 2 of q and q' for those of modal forces, q in the rows and the
-        forces in the columns of each set, (2, sets, size / 2, size / 2, harmonics)."""
-        values, vectors, inverse = self._poles
-        sets, own = len(values), values.shape[1] // 2
-        turn = np.exp(2j * np.pi / self.instants * np.arange(self.instants // 2 + 1))
-        held = self.step * _held(values)[:, :, None]
-        each = 0.5 * held * (1.0 + turn) / (turn - np.exp(values)[:, :, None])
-        parts = vectors[:, :, None] * inverse[:, None, :, own:].swapaxes(2, 3)
-        moved = parts.reshape(sets, -1, 2 * own) @ each
-        moved = moved.reshape(sets, 2, own, own, -1).swapaxes(0, 1)
-        return np.asarray(moved / np.array([self.unit, 1.0])[:, None, None, None, None])
+        """See `Steps.answers`."""
+        return self._steps.answers(self.instants)
 
     @cached_property
     def to_nodes(self) -> tuple[FloatArray, FloatArray]:
@@ -490,13 +449,6 @@ class Grid:
     def finer(self) -> "Grid":
         """Return the grid of twice as many instants."""
         return replace(self, instants=2 * self.instants)
-
-
-def _held(values: ComplexArray) -> ComplexArray:
-    """Return the integral of exp((1 - s) z) over s from 0 to 1, the response to a constant force in
-    a step, for each eigenvalue z."""
-    still = values == 0.0
-    return np.where(still, 1.0, np.expm1(values) / np.where(still, 1.0, values))
 
 
 def by_component(matrices: Matrix) -> Matrix:

@@ -30,7 +30,7 @@ def verify(
 
     Args:
         subjects: modes, rings, contact, march, results, stability, rotation, whirl, shaft, speed,
-            forced, sensors, coating, foreshortening, superelement or periodic.
+            forced, sensors, coating, foreshortening, superelement, periodic or joints.
         full: Include the cases that take long.
         markdown: Print the table as Markdown.
         html: Also write the table as a page.

@@ -46,6 +46,10 @@ def periodic(
     constant in rotating axes, also above critical speeds and with dampers in the static frame; its
     forces, the radius of the shaft and its stability are computed.
 
+    With [[joint]] the motion is that of a tuned wheel whose blades touch each other in friction
+    joints, under engine orders and without a rub, from one blade or sector; the table lists
+    amplitudes of the loaded points, forces, states and work of the joints.
+
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
     bladewhirl render, export and plot make films, series for ParaView and figures.
 
@@ -95,7 +99,7 @@ def periodic(
     folder = output if json or output is not None else Path(f"{case.stem}-periodic")
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     failures = study.failures(data)
-    if folder is not None and data.sizes["speed"] == 1:
+    if folder is not None and data.sizes["speed"] == 1 and not read.joint:
         from bladewhirl.models.inputs.errors import CaseError
         from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.studies.periodic.records import record_motion

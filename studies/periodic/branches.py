@@ -232,6 +232,8 @@ def branch(
         raise UserError(f"branch: instants {instants}: expected a power of two of at least 64")
     if points < 1:
         raise UserError(f"branch: points {points}: expected at least 1")
+    if case.joint:
+        raise UserError("branch: joints are not followed over a key: expected --speeds")
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     parameter = Parameter.of(case, over, start, stop)

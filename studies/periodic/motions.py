@@ -22,6 +22,7 @@ from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.corotating import obstacles
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
+from bladewhirl.studies.joints import motions as joints
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating, fine_stability
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
@@ -93,6 +94,12 @@ def periodic(
     dampers in the static frame there can be several such motions: a stable one is returned if the
     search finds one.
 
+    A case with [[joint]] has the motion of a tuned wheel under engine orders, which joints couple,
+    without a rub. The Dataset then has over (speed, joint) `largest_normal_force` [N],
+    `share_open`, `share_slipping` and `work` [J] in a period; `point_amplitude` [m] of the loaded
+    points; and over (speed, instant, joint_node) `normal_force`, `tangential_force` [N],
+    `relative_displacement` [m] and `state`.
+
     Args:
         case_or_stage: a case with a superelement of the kind "blade" in a rigid wall or, with equal
             blades at equal angles, in a uniform flexible casing; or with an
@@ -125,6 +132,10 @@ def periodic(
     """
     stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
     refuse_line(stage)
+    if stage.joint:
+        if blade or periods != 1 or origin is not None:
+            raise UserError("periodic: joints: expected no blade, periods and origin")
+        return joints.periodic(stage, speeds=speeds, progress=progress)
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
@@ -310,6 +321,8 @@ def failures(data: xr.Dataset) -> list[str]:
 def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of `periodic`; multipliers in the document are pairs of
     real and imaginary part, the largest first."""
+    if "joint" in data.dims:
+        return joints.report(data, failures(data))
     if "normal_force" in data:
         return corotating.report(data, failures(data))
     values = data["multipliers"].values

@@ -26,6 +26,7 @@ SUBJECTS = {
     "foreshortening": "Blades that draw back",
     "superelement": "Superelements",
     "periodic": "Periodic rubs",
+    "joints": "Friction joints",
 }
 """Titles of the subjects by the name of their module, in the order of the table."""
 

@@ -1,0 +1,114 @@
+"""The `[[joint]]` tables of a case: friction joints between neighbouring blades."""
+
+import math
+import re
+from collections.abc import Iterator
+from numbers import Real
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field
+
+from bladewhirl.models.inputs import fields
+from bladewhirl.models.inputs.rules import Inconsistency
+from bladewhirl.models.inputs.table import ReplacedKeys
+
+SMALLEST_PART = 1e-3
+"""Smallest tangential component of a unit normal."""
+
+_NAME = fields.text(
+    re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}"),
+    "up to 60 letters, digits, hyphens and underscores that begin with a letter",
+)
+_NODES = 'the number of a contact node, such as "left = [1]", or a list of them'
+
+
+def _nodes(value: Any) -> tuple[Any, ...]:
+    value = value.tolist() if hasattr(value, "tolist") else value
+    items = value if isinstance(value, list | tuple) else [value]
+    counted = fields.count(0)
+    return tuple(fields.converted(counted, item) for item in fields.listed(items, _NODES, 0))
+
+
+def _vector(value: Any) -> tuple[float, float, float]:
+    items = fields.listed(value, "three numbers [radial, tangential, axial]")
+    if len(items) != 3 or not all(
+        isinstance(x, Real) and not isinstance(x, bool) and math.isfinite(x) for x in items
+    ):
+        raise fields.expectation("three numbers [radial, tangential, axial]")
+    length = math.hypot(*items)
+    if not fields.SMALLEST < length < 1.0 / fields.SMALLEST:
+        raise fields.expectation("three numbers [radial, tangential, axial], not all zero")
+    r, t, z = (float(x / length) for x in items)
+    return r, t, z
+
+
+class Joint(ReplacedKeys):
+    """Contact with friction between each blade and its next neighbour, counter-clockwise."""
+
+    replacements: ClassVar = {"normal": ("angle",)}
+
+    name: Annotated[str, _NAME] = "joint"
+    """Name of the joint, by which results and keys such as joint.NAME.preload refer to it."""
+    between: Literal["neighbours"] = "neighbours"
+    """What the joint connects: each blade with the next one, counter-clockwise."""
+    left: Annotated[tuple[int, ...], BeforeValidator(_nodes)] = ()
+    """Contact nodes on the clockwise side of a blade, by their numbers in the superelement file; by
+    default joint_left of the file. Of a wheel, they are numbers among the nodes of a blade."""
+    right: Annotated[tuple[int, ...], BeforeValidator(_nodes)] = ()
+    """Contact nodes on the counter-clockwise side of a blade, each of which touches the node of
+    `left` at the same place of the list on the next blade; by default joint_right of the file."""
+    angle: fields.Angle = 0.0
+    """Angle of the normal of the joint from the tangential towards the axial direction [rad]."""
+    normal: Annotated[tuple[float, float, float], BeforeValidator(_vector)] | None = Field(
+        default=None, examples=[[0.0, 1.0, 0.5]]
+    )
+    """Normal of the joint, from a blade to the next: radial, tangential and axial component at the
+    joint, of any length, in place of angle."""
+    friction: fields.NumberOrZero = 0.3
+    """Coulomb friction coefficient."""
+    gap: fields.LengthOrZero | None = Field(default=None, examples=['"0.05 mm"'])
+    """Gap at rest [m]. Give one of gap, overclosure and preload; without them, the joint just
+    touches."""
+    overclosure: fields.LengthOrZero | None = Field(default=None, examples=['"0.05 mm"'])
+    """Overlap of the unloaded surfaces at rest [m], which presses the joint."""
+    preload: Annotated[float, fields.quantity("N", "not negative")] | None = Field(
+        default=None, examples=['"300 N"']
+    )
+    """Normal force of the joint at rest [N], the sum of its nodes. It is converted to an
+    overclosure by the static compliance of blades that all move alike, without friction."""
+    kind: Literal["shroud"] = "shroud"
+    """"shroud": surfaces of the blades touch each other."""
+
+    @property
+    def direction(self) -> tuple[float, float, float]:
+        """Unit normal: radial, tangential and axial component."""
+        return self.normal or (0.0, math.cos(self.angle), math.sin(self.angle))
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield errors for nodes without partners, a normal that does not point to the next blade,
+        and several keys for one gap."""
+        yield from super().inconsistencies()
+        if len(self.left) != len(self.right):
+            expected = f"as many nodes as left, which has {len(self.left)}"
+            yield Inconsistency("right", expected, list(self.right))
+        if same := {*self.left} & {*self.right}:
+            expected = f"nodes that are not in left: node {min(same)} would touch itself"
+            yield Inconsistency("right", expected, list(self.right))
+        if len({*self.left}) < len(self.left) or len({*self.right}) < len(self.right):
+            yield Inconsistency("left", "each node once in left and in right", list(self.left))
+        if not self.direction[1] > SMALLEST_PART:
+            key = "angle" if self.normal is None else "normal"
+            yield Inconsistency(
+                key,
+                "a normal that points from a blade to the next one, with a positive tangential"
+                " component; this one lies along the blade or points back",
+            )
+        given = [key for key in ("gap", "overclosure", "preload") if getattr(self, key) is not None]
+        if len(given) > 1:
+            yield Inconsistency(given[1], f"not allowed together with {given[0]}; remove one")
+
+
+JointRows = Annotated[
+    tuple[Joint, ...],
+    fields.rows('{ name = "shroud", left = [1], right = [2], preload = "300 N" }'),
+]

@@ -1,0 +1,1 @@
+"""Friction joints between neighbouring blades: axes, gaps and preloads, waves of a tuned wheel."""

@@ -1,0 +1,1 @@
+"""Figures of wheels with friction joints."""

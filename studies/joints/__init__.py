@@ -1,0 +1,1 @@
+"""Periodic motions of wheels with friction joints: Dataset, table, figure."""

@@ -1,0 +1,243 @@
+"""Periodic motions of a tuned wheel with friction joints at speeds: Dataset, rows, document."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.joints.build import jointed_wheel
+from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
+from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.stage.modal_loads import NEVER
+from bladewhirl.postprocess.joints.motions import plot_joints
+from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.joints import (
+    FIRST_INSTANTS,
+    OPEN,
+    SLIPPING,
+    JointGrid,
+    JointMotion,
+    joint_motion,
+)
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.runs.columns import Column, quantity, table
+
+COLUMNS = (
+    Column("speed", "Ω / ω₁ [–]", ".4f"),
+    Column("speed_rad_s"),
+    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("amplitude", "amplitude of a point [mm]", ".4g", 1e3),
+    Column("point_amplitude"),
+    Column("largest_normal_force", "largest normal force [N]", ".4g"),
+    Column("share_open", "open [–]", ".2f"),
+    Column("share_slipping", "slipping [–]", ".2f"),
+    Column("work", "work in a period [J]", ".4g"),
+    Column("joints"),
+    Column("instants", "instants", "d"),
+    Column("residual", "residual", ".1e"),
+)
+"""Columns of the solutions; of several joints the largest force and share, and all work."""
+
+OF_JOINTS = {
+    "largest_normal_force": ("N", "largest normal force"),
+    "share_open": ("1", "share of the period in which the nodes are open"),
+    "share_slipping": ("1", "share of the period in which the nodes slip"),
+    "work": ("J", "work that the joint takes from the blades in a period"),
+}
+"""Variables over (speed, joint) with unit and name."""
+
+
+def periodic(
+    case: Case,
+    *,
+    speeds: Sequence[float | str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Compute the periodic motions of a tuned wheel with joints; see `bladewhirl.periodic`.
+
+    Raises:
+        CaseError: the case cannot be built at one of the speeds.
+        UserError: the method does not apply, or at no speed a motion was found.
+    """
+    given = [case.march.speed.given] if speeds is None else list(speeds)
+    if not given:
+        raise UserError("periodic: speeds []: expected at least one speed")
+    found: list[JointMotion] = []
+    failures, motion, reference = list[str](), None, 1.0
+    for done, each in enumerate(given, 1):
+        speed = speed_of(each, f"periodic: speeds {each!r}")
+        stage = build_stage(with_values(case, {"march.speed": speed.given}))
+        assert isinstance(stage, Matrices)  # the case has a superelement
+        reference = stage.reference_frequency
+        problem = contact_problem(stage, steps=False)
+        wheel = _checked(problem, jointed_wheel(stage))
+        try:
+            motion = joint_motion(wheel, motion)
+            if reason := _beyond(problem, motion):
+                failures.append(f"periodic: at {speed} {reason}")
+            else:
+                found.append(motion)
+        except NotConverged as reason:
+            failures.append(f"periodic: no periodic motion was found at {speed}: {reason}")
+        if progress is not None:
+            progress(done, len(given))
+    if not found:
+        raise UserError(*failures)
+    return _dataset(case, found, reference).assign_attrs(failures="\n".join(failures))
+
+
+def _checked(problem: ContactProblem, wheel: JointedWheel) -> JointedWheel:
+    """Return a wheel to which the method applies.
+
+    Raises:
+        UserError: it does not.
+    """
+    if problem.speed == 0.0:
+        raise UserError("periodic: march.speed = 0: expected a speed at which the loads vary")
+    if not any(wheel.orders):
+        raise UserError('periodic: expected excitation.type = "engine-order" of an order above 0')
+    if problem.casing.is_flexible:
+        raise UserError('periodic: joints: expected casing.type = "rigid"')
+    if any(abs(load.rotor).any() for load in problem.loads if load.end != NEVER):
+        raise UserError("periodic: a load ends; expected loads without an end")
+    return wheel
+
+
+def _beyond(problem: ContactProblem, motion: JointMotion) -> str:
+    """Return why a motion is not one of the joints alone; empty if it is."""
+    moved = motion.of_points()
+    largest = float(np.abs(moved).max(initial=0.0))
+    if largest > problem.displacement_limit:
+        return (
+            f"points move by {largest:.4g} m, beyond march.displacement_limit ="
+            f" {problem.displacement_limit:.4g} m"
+        )
+    tips = moved[:, len(motion.grid.wheel.loaded) :, 0]
+    clearance = float(problem.clearance(NEVER)[:, 0].min())
+    if tips.size and tips.max() > clearance:
+        return (
+            f"the tips reach the wall: they move outward by {1e3 * tips.max():.4g} mm, and the"
+            f" clearance is {1e3 * clearance:.4g} mm; joints with a rub are not computed"
+        )
+    return ""
+
+
+def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.Dataset:
+    """Return the Dataset of motions at speeds, for a reference frequency [rad/s]."""
+    wheel = motions[0].grid.wheel
+    speeds = np.array([each.grid.wheel.speed for each in motions])
+    count = 2 * JointGrid.near(wheel, FIRST_INSTANTS).instants
+
+    def sampled(values: Callable[[JointMotion], Any]) -> Any:
+        return np.stack([values(each)[:: each.grid.instants // count] for each in motions])
+
+    def of_joints(values: Callable[[JointMotion], Any], merged: Callable[[Any], Any]) -> Any:
+        """Return a value of each joint from those of its nodes, (speeds, joints)."""
+        numbers = range(len(wheel.names))
+        return [[merged(values(each)[..., wheel.joint == n]) for n in numbers] for each in motions]
+
+    sums = {
+        "largest_normal_force": of_joints(lambda m: m.normal, np.max),
+        "share_open": of_joints(lambda m: m.states == OPEN, np.mean),
+        "share_slipping": of_joints(lambda m: m.states == SLIPPING, np.mean),
+        "work": of_joints(lambda m: m.work, np.sum),
+    }
+    order = next(each for each in wheel.orders if each)
+    points = len(wheel.loaded)
+    amplitude = [
+        np.abs(each.grid.wheel.at_points(order, each.of_order(order)))[:points] for each in motions
+    ]
+    over, nodes = "speed", ("speed", "instant", "joint_node")
+    return xr.Dataset(
+        {
+            **{
+                name: quantity((over, "joint"), sums[name], unit, label)
+                for name, (unit, label) in OF_JOINTS.items()
+            },
+            "point_amplitude": quantity(
+                (over, "point", "direction"), amplitude, "m", f"amplitude of engine order {order}"
+            ),
+            "normal_force": quantity(nodes, sampled(lambda m: m.normal), "N", "normal force"),
+            "tangential_force": quantity(
+                (*nodes, "tangent"), sampled(lambda m: m.tangential), "N", "tangential force"
+            ),
+            "relative_displacement": quantity(
+                (*nodes, "component"),
+                sampled(lambda m: m.displacement.reshape(m.grid.instants, -1, DIRECTIONS)),
+                "m",
+                "displacement of the next blade relative to this one: normal, two tangents",
+            ),
+            "state": quantity(
+                nodes, sampled(lambda m: m.states), "1", "open 0, stuck 1, slipping 2"
+            ),
+            "instants": (over, [each.grid.instants for each in motions]),
+            "residual": quantity(over, [each.error for each in motions], "m"),
+            "period": quantity(over, [each.grid.period for each in motions], "s"),
+        },
+        coords={
+            "speed": quantity(over, speeds / reference, "1", "normalised speed"),
+            "rpm": quantity(over, speeds * 30.0 / np.pi, "rpm", "speed"),
+            "instant": np.arange(count) / count,
+            "joint": list(wheel.names),
+            "name": ("joint_node", [wheel.names[n] for n in wheel.joint]),
+            "point": list(wheel.loaded),
+            "direction": ["radial", "tangential", "axial"],
+        },
+        attrs={
+            "title": "periodic motion of a wheel with joints",
+            "case": case.title,
+            "engine_order": order,
+            "blades": wheel.blades,
+            "reference_frequency_hz": reference / (2.0 * np.pi),
+        },
+    )
+
+
+def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
+    """Return the document, table and figure of `periodic`."""
+    rows = []
+    for n in range(data.sizes["speed"]):
+        one = data.isel(speed=n)
+        of_joints = {
+            name: {key: float(one[key].sel(joint=name)) for key in OF_JOINTS}
+            for name in one["joint"].values.tolist()
+        }
+        rows.append(
+            {
+                "speed": float(one["speed"]),
+                "speed_rad_s": float(one["rpm"]) * np.pi / 30.0,
+                "speed_rpm": float(one["rpm"]),
+                "amplitude": _largest(one["point_amplitude"].values),
+                "point_amplitude": one["point_amplitude"].values.tolist(),
+                **{key: float(one[key].max("joint")) for key in list(OF_JOINTS)[:3]},
+                "work": float(one["work"].sum("joint")),
+                "joints": of_joints,
+                "instants": int(one["instants"]),
+                "residual": float(one["residual"]),
+            }
+        )
+    document = {
+        "reference_frequency_hz": data.attrs["reference_frequency_hz"],
+        "engine_order": data.attrs["engine_order"],
+        "solutions": rows,
+        "failures": list(failures),
+    }
+    return Study(
+        name="periodic",
+        document=document,
+        tables=[table(rows, COLUMNS, "Periodic motions with joints")],
+        figures=lambda: {"periodic": (plot_joints(data), data)},
+    )
+
+
+def _largest(amplitudes: FloatArray) -> float | None:
+    """Return the largest length of some vectors, (vectors, 3); None without any."""
+    return float(np.linalg.norm(amplitudes, axis=-1).max()) if len(amplitudes) else None

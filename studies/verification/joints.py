@@ -1,0 +1,76 @@
+"""Friction joints: an oscillator with a Jenkins damper, a spring that slides."""
+
+import numpy as np
+
+from bladewhirl.models.joints.wheel import JointedWheel
+from bladewhirl.solvers.periodic.joints import joint_motion
+from bladewhirl.studies.verification.case import Pair, verifies
+
+SOFT = 10.0  #: flexibility of each side of a damper with a fifth of the stiffness
+RATIO = 1e-3  #: damping ratio
+SLIDING_AT = 1.05  #: frequency at which the damper slides
+STEPS, PERIODS = 2000, 60  #: steps of a period and periods of a time integration
+
+
+def oscillator(speed: float, limit: float, soft: float, ratio: float = 0.0) -> JointedWheel:
+    """Return two oscillators of unit mass and stiffness that move against each other under forces
+    of unit amplitude: a joint on both sides of each slides at half the `limit` of the friction on
+    it, and each side has the flexibility `soft`."""
+    contact = np.zeros((1, 6, 1))
+    contact[0, [1, 4], 0] = 1.0, -1.0
+    compliance = np.zeros((1, 6, 1, 6))
+    own = np.arange(6)
+    compliance[0, own, 0, own] = np.where(own % 3 == 0, 0.5, soft)
+    return JointedWheel(
+        names=("friction",),
+        joint=np.zeros(1, dtype=np.int64),
+        friction=np.array([0.5 * limit]),
+        gap=np.array([-1.0]),
+        speed=speed,
+        blades=2,
+        stiffness=np.ones((2, 1)),
+        damping=np.full((2, 1, 1), 2.0 * ratio),
+        contact=contact,
+        compliance=compliance,
+        loads={1: np.ones(1, dtype=np.complex128)},
+        static={1: np.zeros(6, dtype=np.complex128)},
+        points=np.array([[0.0], [1.0], [0.0]]),
+        loaded=(0,),
+        points_by_force=np.zeros((3, 1, 6)),
+    )
+
+
+def amplitude(given: JointedWheel) -> float:
+    """Return the amplitude of the first harmonic of an oscillator."""
+    found = joint_motion(given)
+    return float(np.abs(given.at_points(1, found.of_order(1))[0, 1]))
+
+
+@verifies("0.9", "1.2")
+def stuck_damper(speed: str) -> Pair:
+    """Compare the amplitude with a damper that does not slide with that of two springs."""
+    r = float(speed)
+    exact = 1.0 / abs(1.0 + 2.0 / SOFT - r**2 + 2j * RATIO * r)
+    return exact, amplitude(oscillator(r, 1e3, SOFT, RATIO))
+
+
+@verifies("1.2", "1.5")
+def sliding_damper(limit: str) -> Pair:
+    """Compare the amplitude with a damper that slides with that of a time integration in which the
+    slider moves as soon as its limit is reached."""
+    force, r = float(limit), SLIDING_AT
+    period, stiff = 2.0 * np.pi / r, 2.0 / SOFT
+    step = period / STEPS
+    wave = np.exp(1j * r * step * np.arange(STEPS))
+    place = rate = slider = 0.0
+    for _ in range(PERIODS):
+        seen = 0.0j
+        for now in wave.tolist():
+            held = stiff * (place - slider)
+            if abs(held) > force:
+                held = force if held > 0.0 else -force
+                slider = place - held / stiff
+            rate += step * (now.real - place - held - 2.0 * RATIO * rate)
+            place += step * rate
+            seen += place * now.conjugate()
+    return 2.0 * abs(seen) / STEPS, amplitude(oscillator(r, force, SOFT, RATIO))

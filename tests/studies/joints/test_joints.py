@@ -1,0 +1,87 @@
+"""Cases with joints: keys, refusals, and the command periodic."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import answer, refusal
+from joint_cases import tables
+
+import bladewhirl as bw
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.template import dumps_case
+
+
+def case(folder: Path, **joint: Any) -> bw.Case:
+    own = tables(folder, **joint) | {"reduction": {"free_interface_modes": 8}}
+    return bw.case_from(own)
+
+
+@pytest.mark.parametrize(
+    ("joint", "key"),
+    [
+        ({"left": [1], "right": [1]}, "joint[0].right"),
+        ({"left": [0, 2], "right": [1]}, "joint[0].right"),
+        ({"left": [0], "right": [9]}, "joint[0].left"),
+        ({"left": [1], "right": [0]}, "joint[0].left"),
+        ({"angle": "90 deg"}, "joint[0].angle"),
+        ({"normal": [1.0, 0.0, 0.0]}, "joint[0].normal"),
+        ({"normal": [1.0, 0.0]}, "joint[0].normal"),
+        ({"friction": -0.1}, "joint[0].friction"),
+        ({"gap": "1 mm", "preload": "1 N"}, "joint[0].preload"),
+        ({"name": "0"}, "joint[0].name"),
+    ],
+)
+def test_a_joint_that_cannot_be_is_refused(tmp_path: Path, joint: Any, key: str) -> None:
+    with pytest.raises(bw.CaseError) as refused:
+        case(tmp_path, **joint)
+    assert refused.value.faults[0].key == key
+
+
+def test_beams_and_nodes_with_mass_have_no_joints(tmp_path: Path) -> None:
+    with pytest.raises(bw.CaseError, match="superelement"):
+        bw.case_from({"joint": [{"left": 0, "right": 1}]})
+    own = tables(tmp_path) | {"reduction": {"boundary": "consistent"}}
+    with pytest.raises(bw.CaseError, match="massless"):
+        bw.case_from(own)
+
+
+def test_a_name_selects_a_joint_and_a_file_keeps_it(tmp_path: Path) -> None:
+    given = bw.with_values(case(tmp_path, preload="5 N"), {"joint.shroud.preload": "7 N"})
+    assert given.joint[0].preload == 7.0
+    again = loads(dumps_case(given))
+    assert again.joint == given.joint
+
+
+def test_a_march_has_no_joints(tmp_path: Path) -> None:
+    with pytest.raises(bw.CaseError, match="periodic"):
+        bw.run(case(tmp_path), tmp_path / "run")
+
+
+def test_the_command_lists_points_and_joints(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(case(tmp_path, preload="10 N")))
+    document = json.loads(
+        answer("periodic", file, "--speeds", "7000 rpm,9000 rpm", "--json").stdout
+    )
+    (one, other) = document["solutions"]
+    assert np.shape(one["point_amplitude"]) == (1, 3)
+    assert one["joints"]["shroud"]["share_open"] == 0.0
+    assert one["joints"]["shroud"]["largest_normal_force"] > 10.0
+    assert other["speed_rpm"] == pytest.approx(9000.0)
+    answer("periodic", file, "--speeds", "7000 rpm", "-o", tmp_path / "out")
+    assert (tmp_path / "out" / "periodic.png").exists()
+
+
+def test_tips_that_reach_the_wall_are_reported(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(case(tmp_path, preload="10 N")))
+    near = ["--set", "casing.clearance=1e-12"]
+    assert "reach the wall" in refusal("periodic", file, *near, "--json")
+
+
+def test_a_wheel_at_rest_has_no_period(tmp_path: Path) -> None:
+    with pytest.raises(bw.UserError, match="expected a speed"):
+        bw.periodic(case(tmp_path), speeds=["0 rpm"])

@@ -1,0 +1,103 @@
+"""An independent march of all blades of a wheel with joints, in NumPy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+from joint_cases import blade
+
+from bladewhirl.meshes.line_mesh import FloatArray
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A wheel of the blades of `joint_cases`, pushed tangentially at the tips."""
+
+    blades: int
+    modes: int
+    ratio: float  #: damping ratio
+    speed: float  #: [rad/s]
+    order: int
+    amplitude: float  #: of the force on each tip [N]
+    gap: float  #: [m]
+    friction: float
+    angle: float  #: of the normal [rad]
+
+    def march(self, steps: int, periods: int) -> tuple[FloatArray, FloatArray]:
+        """Return the amplitude of the engine order of the displacement of the first tip, (3,), and
+        the normal forces of the first joint in the last period, (steps,). Forces on joints are
+        constant in a step, with the value at its end."""
+        part, n = blade(self.blades), self.blades
+        mass, stiffness = np.asarray(part.mass), np.asarray(part.stiffness)
+        squares, shapes = la.eigh(stiffness, mass)
+        squares, shapes = squares[: self.modes], shapes[:, : self.modes]
+        rows = np.vstack([self._axes @ self._cylindrical(part, node) for node in (0, 1)])
+        p = rows @ shapes
+        c = rows @ la.solve(stiffness, rows.T) - p / squares @ p.T
+        load = np.zeros(len(mass))
+        load[part.contact_dofs[2, 1]] = self.amplitude
+        push = shapes.T @ load
+        static = rows @ la.solve(stiffness, load) - p / squares @ push
+        turn = self.order * self.speed
+        h = 2.0 * np.pi / turn / steps
+        w = np.sqrt(squares)
+        wd, decay = w * np.sqrt(1.0 - self.ratio**2), np.exp(-self.ratio * w * h)
+        cos, sin = np.cos(wd * h), np.sin(wd * h)
+        qq, qv = decay * (cos + self.ratio * w / wd * sin), decay * sin / wd
+        vq, vv = -squares * qv, decay * (cos - self.ratio * w / wd * sin)
+        by_force = (1.0 - qq) / squares
+        tie = np.zeros((3 * n, 6 * n))
+        for j in range(n):
+            tie[3 * j : 3 * j + 3, 6 * ((j + 1) % n) : 6 * ((j + 1) % n) + 3] = np.eye(3)
+            tie[3 * j : 3 * j + 3, 6 * j + 3 : 6 * j + 6] = -np.eye(3)
+        flexible = tie @ np.kron(np.eye(n), c + p * by_force @ p.T) @ tie.T
+        ahead = np.exp(2j * np.pi * self.order * np.arange(n) / n)[:, None]
+        q, v = np.zeros((2, n, self.modes))
+        force, place = np.zeros((n, 3)), np.zeros((n, 3))
+        tip, normal = np.zeros((2, steps)), np.zeros(steps)
+        seen = np.zeros((steps, self.modes))
+        for step in range(1, steps * periods + 1):
+            pushed = (np.exp(1j * turn * h * (step - 0.5)) * ahead).real * push
+            pushed = pushed * np.sinc(turn * h / 2.0 / np.pi)
+            given = (np.exp(1j * turn * h * step) * ahead).real * static
+            q, v = qq * q + qv * v + by_force * pushed, vq * q + vv * v + qv * pushed
+            free = (tie @ (q @ p.T + given).ravel()).reshape(n, 3)
+            force = self._forces(flexible, free, place, force)
+            place = free + (flexible @ force.ravel()).reshape(n, 3)
+            joint = (tie.T @ force.ravel()).reshape(n, 6) @ p
+            q, v = q + by_force * joint, v + qv * joint
+            seen[step % steps], normal[step % steps] = q[0], force[0, 0]
+        del tip
+        amplitude = np.fft.fft(seen, axis=0)[1] * 2.0 / steps
+        return np.abs(shapes[part.contact_dofs[2]] @ amplitude), normal
+
+    @property
+    def _axes(self) -> FloatArray:
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[0.0, cos, sin], [0.0, -sin, cos], [1.0, 0.0, 0.0]])
+
+    def _cylindrical(self, part: object, node: int) -> FloatArray:
+        position, dofs = part.contact_position[node], part.contact_dofs[node]  # type: ignore[attr-defined]
+        a = np.arctan2(position[1], position[0])
+        rows = np.zeros((3, len(part.mass)))  # type: ignore[attr-defined]
+        rows[:, dofs] = [[np.cos(a), np.sin(a), 0.0], [-np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]]
+        return rows
+
+    def _forces(
+        self, flexible: FloatArray, free: FloatArray, place: FloatArray, force: FloatArray
+    ) -> FloatArray:
+        """Projected relaxation of the contact law at the end of a step."""
+        soft = np.linalg.eigvalsh(flexible)[-1]
+        off = np.column_stack([np.full(len(free), self.gap), -place[:, 1:]])
+        for _ in range(20000):
+            moved = free + (flexible @ force.ravel()).reshape(-1, 3) + off
+            after = force - moved / soft
+            after[:, 0] = np.maximum(after[:, 0], 0.0)
+            size = np.hypot(after[:, 1], after[:, 2])
+            limit = self.friction * after[:, 0]
+            after[:, 1:] *= (np.minimum(size, limit) / np.where(size > 0.0, size, 1.0))[:, None]
+            change = np.abs(after - force).max()
+            force = after
+            if change <= 1e-6 * np.abs(force).max():
+                break
+        return force
