@@ -51,8 +51,8 @@ def _document(case: Case, *, commented: bool) -> str:
             f"[[{name}]]\n{''.join(_keys(row, commented=False))}" for row in getattr(case, name)
         ]
     if commented:
-        parts += [_alternative(sensor, "[[sensor]]\n") for sensor in EXAMPLES]
         parts.append(_alternative(Joint(), "[[joint]]\n"))
+        parts += [_alternative(sensor, "[[sensor]]\n") for sensor in EXAMPLES]
     return "\n".join(part for part in parts if part)
 
 

@@ -1,7 +1,7 @@
 """Periodic motions of a tuned wheel with friction joints at speeds: Dataset, rows, document."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -74,8 +74,8 @@ def periodic(
     failures, motion, reference = list[str](), None, 1.0
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
-        stage = build_stage(with_values(case, {"march.speed": speed.given}))
-        assert isinstance(stage, Matrices)  # the case has a superelement
+        at_speed = with_values(case, {"march.speed": speed.given})
+        stage = cast(Matrices, build_stage(at_speed))  # only superelements have joints
         reference = stage.reference_frequency
         problem = contact_problem(stage, steps=False)
         wheel = _checked(problem, jointed_wheel(stage))
