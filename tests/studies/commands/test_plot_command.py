@@ -20,7 +20,8 @@ def directory(tmp_path: Path) -> Path:
 
 
 OF_OTHERS = {"coating_strain", "contact_displacement", "rotation_speed", "critical_speed"}
-"""Variables of results with a coating, of superelements, and with a speed that varies."""
+OF_OTHERS |= {"bearing_force", "shaft_displacement"}
+"""Variables of results with a coating, of superelements, with a speed that varies, of lines."""
 
 
 def made(folder: Path, speed: float) -> Path:
