@@ -40,8 +40,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         **_known("support fused at", summary.fuse_time, "s"),
         **_shaft(summary),
         **_walls(summary.casing_displacement_max),
-        "tip displacement, largest": _text(summary.tip_displacement_max, "m"),
-        **_directions(summary.contact_displacement_max),
+        **_tips(summary),
         "strain energy, largest": _text(summary.strain_energy_max, "J"),
         **_energies(summary.strain_energy_final),
         **_known("casing's strain energy, final", summary.strain_energy_casing_final, "J"),
@@ -49,15 +48,10 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         f" friction {_text(work['friction'], 'J')},{springs} damping"
         f" {_text(work['damping'], 'J')}",
         **_drive(summary),
-        "contact force, largest": _force(summary),
-        **{
-            f"stress of {body.replace('_', ' ')}, largest": _stress(peak, summary.yield_strength)
-            for body, peak in (summary.stress_max or {}).items()
-        },
-        **_split(summary.stress_split),
+        **_contact_force(summary),
+        **_stresses(summary),
         **_contact(summary),
         **_wear(summary),
-        "deepest penetration": _text(summary.gap_violation_max, "m"),
         "energy residual": f"{summary.energy_residual:.3g}",
         "complementarity residual": f"{summary.complementarity_residual:.3g}",
         "time step / critical": f"{summary.dt_over_critical:.3g}",
@@ -65,6 +59,17 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         f" {handy(summary.record_step, 's', 4)}",
         "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
     }
+
+
+def _tips(summary: Summary) -> dict[str, str]:
+    if not summary.contact_impulse_by_blade:  # a shaft line
+        return {}
+    rows = {"tip displacement, largest": _text(summary.tip_displacement_max, "m")}
+    return rows | _directions(summary.contact_displacement_max)
+
+
+def _contact_force(summary: Summary) -> dict[str, str]:
+    return {"contact force, largest": _force(summary)} if summary.contact_impulse_by_blade else {}
 
 
 def _shaft(summary: Summary) -> dict[str, str]:
@@ -245,6 +250,15 @@ def _stress(peak: StressPeak, strength: float | None) -> str:
     )
 
 
+def _stresses(summary: Summary) -> dict[str, str]:
+    rows = {}
+    for body, peak in (summary.stress_max or {}).items():
+        rows[f"stress of {body.replace('_', ' ')}, largest"] = _stress(peak, summary.yield_strength)
+        if body == "bladed_disk":
+            rows |= _split(summary.stress_split)
+    return rows
+
+
 def _split(split: StressSplit | None) -> dict[str, str]:
     if split is None or not split["alternating"]:
         return {}
@@ -257,6 +271,8 @@ def _split(split: StressSplit | None) -> dict[str, str]:
 
 def _contact(summary: Summary) -> dict[str, str]:
     shares, impulses = summary.contact_share, summary.contact_impulse_by_blade
+    if not impulses:
+        return {}
     several = len(shares) > len(impulses)
     blades = np.flatnonzero(impulses if several else shares)
     text = f"{len(blades)} of {len(impulses)}"
@@ -269,7 +285,7 @@ def _contact(summary: Summary) -> dict[str, str]:
         rows["contact nodes that touched"] = f"{np.count_nonzero(shares)} of {len(shares)}"
     if summary.impulse_per_revolution:
         rows["impulse per revolution, at the end"] = _text(summary.impulse_per_revolution, "N s")
-    return rows
+    return rows | {"deepest penetration": _text(summary.gap_violation_max, "m")}
 
 
 def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
