@@ -53,13 +53,16 @@ number of points of a sector that are always kept."""
 HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
 
-def build_matrices(case: Case, ring: Ring | None = None, *, blades: bool = False) -> Matrices:
+def build_matrices(
+    case: Case, ring: Ring | None = None, *, blades: bool = False, listed_at: float | None = None
+) -> Matrices:
     """Return the stage of a case with a superelement.
 
     Args:
         case: the case.
         ring: its casing, if it is known.
         blades: whether the stiffness of each of the equal blades of sectors is needed.
+        listed_at: speed [rad/s], if of sectors only the modes at rest and at this speed are needed.
 
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
@@ -87,7 +90,7 @@ def build_matrices(case: Case, ring: Ring | None = None, *, blades: bool = False
     if not of_waves:
         name = "free" if case.reduction.boundary == "massless" else "fixed"
         key = f"reduction.{name}_interface_modes"
-    reduced_at = partial(_reduced_at, case, part, factor, omega, blades)
+    reduced_at = partial(_reduced_at, case, part, factor, omega, blades, listed_at)
     try:
         given, part, reduced = reduced_at(omega, others=_other_speeds(case, at_rest))
     except SuperelementError as error:
@@ -134,7 +137,7 @@ def build_matrices(case: Case, ring: Ring | None = None, *, blades: bool = False
         factor=copies,
         blade=np.arange(part.contacts) // per_blade,
         reduced_at=lambda speed: reduced_at(speed)[2],
-        build=partial(build_matrices, blades=blades),
+        build=partial(build_matrices, blades=blades, listed_at=listed_at),
         kept=KeptModes(
             rotor=np.arange(len(copies) * len(reduced.frequency)),
             casing=np.arange(len(ring.reduced_casing.frequency)),
@@ -162,6 +165,7 @@ def _reduced_at(
     factor: FloatArray,
     highest: float,
     blades: bool,
+    listed_at: float | None,
     omega: float,
     others: Sequence[float] = (),
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
@@ -173,6 +177,7 @@ def _reduced_at(
         factor: factor on the stiffness of each blade, (blades,).
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
         blades: whether the stiffness of equal blades is needed.
+        listed_at: see `wheel_over_speeds`.
         omega: speed [rad/s].
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `massless` and `consistent`.
@@ -183,7 +188,9 @@ def _reduced_at(
     table, reduction = case.bladed_disk.matrices, case.reduction
     if table.kind == "sector" and reduction.boundary == "massless":
         speeds = omega, highest
-        found = wheel_of_sectors(case, part, speeds, factor, others, blades=blades)
+        found = wheel_of_sectors(
+            case, part, speeds, factor, others, blades=blades, listed_at=listed_at
+        )
         return part, *found
     root, slower, effects = None, list[Superelement](), case.rotation.effects
     if effects != "none":

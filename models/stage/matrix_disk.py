@@ -265,13 +265,16 @@ def still_stage(case: Case, count: int | None) -> Matrices:
         count: number of modes to list; all if None.
     """
     table = case.bladed_disk.matrices
-    still = without_rotation(case)
+    still, listed_at = without_rotation(case), None
     if count is not None and case.reduction.boundary == "massless":
         if _is_of_equal_sectors(case):
+            listed_at = 0.0
+            if not _couples(case) and case.rotation.effects != "none":
+                listed_at = abs(case.march.speed.rad_per_s(0.0))  # 0 if the reference is needed
             still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
         elif table.kind != "sector":
             still = _with_modes(still, FEWEST)  # the blocks have the modes that are listed
-    return build_matrices(still)
+    return build_matrices(still, listed_at=listed_at)
 
 
 def matrix_disks(
@@ -313,6 +316,12 @@ def _whirls(stage: Matrices) -> bool:
     return stage.table.part.gyroscopic is not None
 
 
+def _couples(case: Case) -> bool:
+    """Return whether Coriolis forces couple the modes at a speed."""
+    part = case.bladed_disk.matrices.part
+    return part.gyroscopic is not None and case.rotation.effects != "centrifugal"
+
+
 def _is_of_equal_sectors(case: Case) -> bool:
     """Return whether the modes of sectors with a massless boundary are listed."""
     table = case.bladed_disk.matrices
@@ -330,9 +339,9 @@ def _blocks(
     """
     table, part, equal = stage.table, structure_of(case), _is_of_equal_sectors(case)
     each = each if count is None else count
-    couples = part.gyroscopic is not None or part.damping is not None
     between = count is None
-    couples |= between  # at speeds between those of the blocks, and where the wall holds tips
+    # At speeds between those of the blocks, and where the wall holds tips.
+    couples = between or _couples(case)
     coupled = COUPLED if count is None else COUPLED_AT_ONE_SPEED
     if table.kind == "sector":
         coupled = COUPLED_IN_SECTORS
@@ -380,17 +389,17 @@ def _lowest_blocks(
         part: the sector.
         count: number of modes of the wheel.
         further: number of further modes of each nodal diameter.
-        highest: the speed [rad/s]; 0 for modes at rest, where the reduction of the case is used.
+        highest: the speed [rad/s]; 0 for modes at rest.
     """
     table, equal = still.bladed_disk.matrices, replace(part, blade_stiffness=None)
     known, blocks = dict[int, int](), dict[int, NodalBlock]()  # number of modes; blocks
     short, each = [*range(table.copies // 2 + 1)], still.reduction.free_interface_modes
     while short:
-        if highest or further or blocks:
+        if further or blocks:
             own = (equal, table.copies, each + further, highest)
-            blocks |= sector_blocks(*own, between=False, diameters=short)
+            blocks |= sector_blocks(*own, between=False, static=further > 0, diameters=short)
         else:
-            blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0).blocks))
+            blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0, highest).blocks))
         known |= dict.fromkeys(short, each)
         squares = {k: la.eigvalsh(blocks[k].stiffness_at(highest))[: known[k]] for k in blocks}
         every = np.sort(np.concatenate([*squares.values()]))

@@ -121,6 +121,7 @@ def wheel_of_sectors(
     others: Sequence[float] = (),
     *,
     blades: bool = False,
+    listed_at: float | None = None,
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
 
@@ -132,25 +133,33 @@ def wheel_of_sectors(
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `further_modes.further`.
         blades: whether the stiffness of equal blades is needed, see `wheel_over_speeds`.
+        listed_at: see `wheel_over_speeds`.
     """
     table = case.bladed_disk.matrices
     mistuned = case.bladed_disk.mistuning.is_given(table.copies)
     if not (mistuned or blades):
         part = replace(part, blade_stiffness=None)
     omega, highest = speeds
-    return wheel_over_speeds(case, part, highest).at(omega, factor if mistuned else None, others)
+    wheel = wheel_over_speeds(case, part, highest, listed_at)
+    return wheel.at(omega, factor if mistuned else None, others)
 
 
-def wheel_over_speeds(case: Case, part: Superelement, omega: float) -> WheelOverSpeeds:
+def wheel_over_speeds(
+    case: Case, part: Superelement, omega: float, listed_at: float | None = None
+) -> WheelOverSpeeds:
     """Return a wheel of sectors for the `range_of` a speed [rad/s]; with `blade_stiffness` it has
-    the stiffness of each blade."""
+    the stiffness of each blade. With a speed `listed_at` [rad/s] in place of it, there are only the
+    modes at rest and at this speed."""
     table, effects = case.bladed_disk.matrices, case.rotation.effects
     if effects == "centrifugal":
         part = replace(part, gyroscopic=None)
-    modes, highest = case.reduction.free_interface_modes, range_of(omega)
+    highest = 0.0 if effects == "none" else range_of(omega)
+    if listed_at is not None:
+        highest = listed_at
     return WheelOverSpeeds(
-        *(part, table.copies, modes, 0.0 if effects == "none" else highest, table.file),
+        *(part, table.copies, case.reduction.free_interface_modes, highest, table.file),
         mistuned=case.bladed_disk.mistuning.is_given(table.copies),
+        static=listed_at is None,
     )
 
 

@@ -114,6 +114,7 @@ def sector_blocks(
     touched: bool = False,
     mistuned: bool = True,
     between: bool = True,
+    static: bool = True,
     diameters: Sequence[int] | None = None,
 ) -> Blocks:
     """Return the blocks of a wheel of equal sectors.
@@ -131,6 +132,7 @@ def sector_blocks(
             flexibility of the contact nodes is known; the sector must then have no rigid modes.
         mistuned: whether the touched blades differ, if the sector has blade_stiffness.
         between: whether the blocks are used at speeds between rest and the highest.
+        static: whether a block has the static displacements besides the modes.
         diameters: the nodal diameters; all by default.
 
     Raises:
@@ -138,8 +140,12 @@ def sector_blocks(
             rigid modes though `touched` is true.
     """
     loads = sp.csc_array(part.contact_rows.T)
+    if not static:
+        loads = loads[:, :0]
     differ = touched and mistuned and part.blade_stiffness is not None
-    velocity = [] if touched else [*map(sp.csr_array, part.given(BY_VELOCITY).values())]
+    velocity = (
+        [] if touched or not static else [*map(sp.csr_array, part.given(BY_VELOCITY).values())]
+    )
     solutions = loads.shape[1] + len(velocity) * count
     solutions += differ * lanczos_vectors(count)  # modes are computed twice
     chosen = range(sectors // 2 + 1) if diameters is None else diameters
@@ -170,6 +176,8 @@ def sector_blocks(
         def fields(wave: Wave, loads: sp.csc_array) -> Iterator[ComplexArray]:
             _, shapes = wave.lowest(min(count, wave.size))
             yield np.asarray(wave.tie @ shapes, dtype=np.complex128)
+            if not static:
+                return
             forces = [(loads.T @ wave.tie).conj().T.toarray()]
             forces += [wave.on_wave(matrix, shapes) for matrix in velocity]
             if touched and wave.diameter == 0:

@@ -78,6 +78,7 @@ class WheelOverSpeeds:
         file: str | None = None,
         *,
         mistuned: bool = True,
+        static: bool = True,
     ) -> None:
         """Reduce the sector, or read what was kept of an earlier reduction.
 
@@ -90,6 +91,8 @@ class WheelOverSpeeds:
             highest: highest speed [rad/s].
             file: file of the sector, beside which its reduction is kept; None to keep nothing.
             mistuned: whether blades with blade_stiffness differ.
+            static: false if modes are only needed at rest and at the highest speed, without static
+                displacements and residual flexibility.
 
         Raises:
             SuperelementError: the sector has too few coordinates, takes too much memory, or has
@@ -101,15 +104,21 @@ class WheelOverSpeeds:
             expected = f"fewer than {size} free-interface modes, the coordinates of a sector"
             raise SuperelementError(Fault(expected=expected))
         differ = mistuned and own is not None
-        count = modes + (FURTHER_MODES if highest or differ else 0)
+        count = modes + (FURTHER_MODES if static and (highest or differ) else 0)
 
         def compute() -> Arrays:
-            found = sector_blocks(part, sectors, count, highest, touched=True, mistuned=differ)
+            found = sector_blocks(
+                *(part, sectors, count, highest),
+                touched=True,
+                mistuned=differ,
+                between=static,
+                static=static,
+            )
             arrays = flattened(replace(each, blade=None) for each in found.values())
             fields = [each.blade for each in found.values() if each.blade is not None]
             return arrays | ({} if own is None else {"products": blade_products(own, fields)})
 
-        settings = (sectors, modes, highest, differ)
+        settings = (sectors, modes, highest, differ, static)
         kept = compute() if file is None else kept_reduction(file, part, settings, compute)
         self._products = kept.get("products")
         self.blocks: list[NodalBlock] = restored(NodalBlock, sectors // 2 + 1, kept)

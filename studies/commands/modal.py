@@ -71,8 +71,6 @@ def modes(
             free tips and with tips held by the wall, the clearance that a mode consumes divided by
             its largest displacement of a tip, and the friction coefficient above which it locks.
     """
-    from bladewhirl.studies.modal import modes as study
-
     given = {"--shapes": shapes, "--animate": animate, "--wave": wave, "--contact": contact or None}
     if found := _of_line(case, overrides, given, "modes", count=count):
         present(found, case, output, overwrite=overwrite, json=json, unnamed=output is None)
@@ -96,6 +94,8 @@ def modes(
         return
 
     stage = _model(case, overrides, count=2 * count)  # of pairs
+    from bladewhirl.studies.modal import modes as study
+
     if output is not None:
         from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 
