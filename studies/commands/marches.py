@@ -78,8 +78,6 @@ def run(
 
     from bladewhirl.solvers.march.schema import RESULT_NAME
     from bladewhirl.studies.runs.folder import CASE_NAME
-    from bladewhirl.studies.runs.run import resume as resume_run
-    from bladewhirl.studies.runs.run import run as run_case
 
     if (case is None) == (resume is None):
         raise UserError("run: expected either CASE or --resume DIR")
@@ -94,6 +92,9 @@ def run(
         hints_at_once() as shown,
         interruptible(f"bladewhirl run --resume {folder} continues", folder / RESULT_NAME),
     ):
+        from bladewhirl.studies.runs.run import resume as resume_run
+        from bladewhirl.studies.runs.run import run as run_case
+
         turn = read.march.steps_per_revolution
         step, unit = (1.0 / turn, "revolutions") if turn else (read.march.time_step, "s")
         begun = 0.0

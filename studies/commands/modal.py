@@ -190,10 +190,10 @@ def veering(
     Args:
         families: Number of families in the first diagram, without the suspension pair.
     """
-    from bladewhirl.studies.modal import veering as study
-
     interval = None if stiffnesses is None else stiffnesses.values()
     stage = _model(case, overrides, families=families)
+    from bladewhirl.studies.modal import veering as study
+
     springs = study.spring_stiffnesses(stage.case, interval)
     computed = study.report(study.veering(stage, families=families, stiffnesses=springs))
     present(computed, case, output, overwrite=overwrite, json=json)
@@ -218,14 +218,15 @@ def critical_speeds(
     Args:
         branches: Number of branches in each direction of whirl.
     """
-    from bladewhirl.studies.modal import critical_speeds as study
-
     given = {"--stiffnesses": stiffnesses}
     if found := _of_line(case, overrides, given, "critical_speeds", branches=branches):
         present(found, case, output, overwrite=overwrite, json=json)
         return
     interval = None if stiffnesses is None else stiffnesses.values()
-    computed = study.report(_model(case, overrides), branches, interval)
+    model = _model(case, overrides)
+    from bladewhirl.studies.modal import critical_speeds as study
+
+    computed = study.report(model, branches, interval)
     present(computed, case, output, overwrite=overwrite, json=json)
 
 
@@ -253,8 +254,6 @@ def response(
             included.
         draws: Number of random patterns of the stiffness of blades.
     """
-    from bladewhirl.studies.modal import response as study
-
     if line := _of_line(case, overrides, {"--draws": draws}, "response", speeds=speeds.values):
         present(line, case, output, overwrite=overwrite, json=json)
         return
@@ -265,6 +264,8 @@ def response(
         progress_bar("speeds", lines="speeds", quiet=QUIET) as progress,
     ):
         if draws is None:
+            from bladewhirl.studies.modal import response as study
+
             found = study.report(study.response(read, speeds=given, progress=progress))
         else:
             from bladewhirl.studies.modal.amplification import amplification, report
@@ -323,16 +324,16 @@ def stability(
         physical: Use the physical amplitude of each mode, not unit amplitudes.
         films: Also write the divergent mode as VTK series and GIF.
     """
+    if (speed is None) != (kappa is None):
+        raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
+    stiffnesses, model = kappas.values(), _model(case, overrides)
     from bladewhirl.models.stage.modal import full_models
     from bladewhirl.studies.modal import stability_report as study
     from bladewhirl.studies.modal.coupled_system import couple
     from bladewhirl.studies.modal.stability import NEEDS
 
-    if (speed is None) != (kappa is None):
-        raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
-    stiffnesses = kappas.values()
     system = couple(
-        full_models(_model(case, overrides), "stability", NEEDS),
+        full_models(model, "stability", NEEDS),
         modes=modes,
         damped=damped,
         with_pi=not no_pi,
@@ -390,10 +391,10 @@ def _model(
 ) -> ModalModel:
     """Return bladed disk and casing of a case file with changes, in their modes, for the speeds of
     an option; `numbers` are those of `modal_model`."""
-    from bladewhirl.models.stage.modal import modal_model
-    from bladewhirl.studies.runs.properties import speed_hint
-
     with options.case_of(case, overrides) as read, reduction_bar():
+        from bladewhirl.models.stage.modal import modal_model
+        from bladewhirl.studies.runs.properties import speed_hint
+
         model = modal_model(read, **numbers)
         reference = model.reference_frequency
         highest = 0.0 if speeds is None else speeds.values(reference)[-1] * reference

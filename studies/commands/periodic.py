@@ -89,9 +89,9 @@ def periodic(
         return
     options.omitted("speeds", {"--points": points})
 
-    from bladewhirl.studies.periodic import motions as study
-
     with options.case_of(case, overrides) as read, progress_bar("speeds") as progress:
+        from bladewhirl.studies.periodic import motions as study
+
         given = None if speeds is None else [each.given for each in speeds]
         data = study.periodic(
             read, speeds=given, blade=blade, periods=periods, origin=origin, progress=progress

@@ -111,10 +111,6 @@ def show(
         png: Draw the stage: parts, sets, springs, supports.
         output: File of the drawing; by default the name of the case with .png.
     """
-    from bladewhirl.models.stage.build import build_stage, time_step_faults
-    from bladewhirl.models.stage.hints import stage_hints
-    from bladewhirl.studies.runs.properties import speed_hint, stage_properties
-
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
     with options.case_of(case, overrides) as checked:
@@ -124,6 +120,10 @@ def show(
             options.omitted("[shaft_line]", {"--png": png or None})
             emit(*_document(checked, *properties(checked), with_case=with_case), json=json)
             return
+        from bladewhirl.models.stage.build import build_stage, time_step_faults
+        from bladewhirl.models.stage.hints import stage_hints
+        from bladewhirl.studies.runs.properties import speed_hint, stage_properties
+
         with reduction_bar():
             stage = build_stage(checked)
         if faults := list(time_step_faults(stage)):
