@@ -18,7 +18,7 @@ from bladewhirl.postprocess.reports.parts import (
     subject,
 )
 from bladewhirl.postprocess.shaft.orbits import MILLI
-from bladewhirl.postprocess.sweep.dataset import DRAW, SCREENED, swept, swept_keys
+from bladewhirl.postprocess.sweep.dataset import SCREENED, swept, swept_keys
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_label, line_label
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.probability import probability
@@ -30,6 +30,7 @@ from bladewhirl.postprocess.sweep.quantities import (
     other_keys,
     table_keys,
 )
+from bladewhirl.solvers.march.schema import DRAW
 
 WINDOWED = ("frequency-map", "energy-families", "node-spectra")
 """Figures of spectra and mean energies; the attribute `window` of a sweep states their time window.

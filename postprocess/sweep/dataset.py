@@ -20,6 +20,7 @@ import xarray as xr
 from bladewhirl.postprocess.fields import netcdf
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.solvers.march.schema import (
+    DRAW,
     NAMES,
     SCREENING,
     SWEEP,
@@ -30,9 +31,7 @@ from bladewhirl.solvers.march.schema import (
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
 MISSING, DONE, FAILED, NOT_NEEDED = range(4)  #: codes of the variable `state` of a point
-DRAW = "draw"  #: name of the dimension of the random draws of each point
 SCREENED = "screened"  #: name of the variable that marks screening marches
-POINT = "point"  #: name of the dimension of the points of a table
 #: all checksums are verified when a dataset is opened, unless it is larger than this [bytes]
 CHECKED_BYTES = 2**28
 BLOCK = 64  #: number of points whose checksums are verified together

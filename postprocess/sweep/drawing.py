@@ -20,8 +20,8 @@ from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS, FULL_WIDTH, INCH, new_figure
 from bladewhirl.postprocess.plotting.titles import key_words, set_title
-from bladewhirl.postprocess.sweep.dataset import POINT
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
+from bladewhirl.solvers.march.schema import POINT
 
 MOST_LINES = 8  #: largest number of lines in a figure; more lines cannot be distinguished
 MOST_ROWS = 4  #: largest number of lines in a figure with a row of panels for each line

@@ -8,9 +8,9 @@ from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.legends import Group, entries_of
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep import drawing
-from bladewhirl.postprocess.sweep.dataset import DRAW
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key
 from bladewhirl.postprocess.sweep.shares import settled, wilson
+from bladewhirl.solvers.march.schema import DRAW
 
 
 def probability(dataset: xr.Dataset, key: str | None = None) -> xr.Dataset:

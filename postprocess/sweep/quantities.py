@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, swept, swept_keys
-from bladewhirl.solvers.march.schema import SWEEP_FORMAT
+from bladewhirl.postprocess.sweep.dataset import swept, swept_keys
+from bladewhirl.solvers.march.schema import DRAW, POINT, SWEEP_FORMAT
 
 LINE = "line"  #: name of the dimension `line`, see the module docstring
 MOTION = 1e-3

@@ -28,6 +28,10 @@ be read."""
 
 TIME = "time"
 
+DRAW, POINT = "draw", "point"
+"""Names of the dimensions of the random draws of each point of a sweep, and of the points of its
+table."""
+
 OPTIONAL_DIMENSIONS = frozenset(
     {"support", "rotor_link", "rotor_spring", "mass", "point", "triangle"}
 )

@@ -21,6 +21,7 @@ from bladewhirl.studies.commands.terminal import (
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from bladewhirl.meshes.line_mesh import FloatArray
     from bladewhirl.models.modal.modal_model import ModalModel
     from bladewhirl.studies.modal.study import Study
 
@@ -143,18 +144,22 @@ def campbell(
         html: Write both diagrams as an interactive page, FILE.html.
     """
     from bladewhirl.postprocess.plotting.files import checked_target
-    from bladewhirl.studies.modal import campbell as study
+
+    def widest(reference: float) -> FloatArray:
+        from bladewhirl.studies.modal.campbell import WIDEST
+
+        return options.Span("--speeds", (0.0, WIDEST)).values(reference)
 
     given = {"--operating": operating, "--orders": orders, "--html": html}
-    of_line = speeds or options.Span("--speeds", (0.0, study.WIDEST))
-    if found := _of_line(
-        case, overrides, given, "campbell", speeds=of_line.values, families=families
-    ):
+    of_line = speeds.values if speeds else widest
+    if found := _of_line(case, overrides, given, "campbell", speeds=of_line, families=families):
         present(found, case, output, overwrite=overwrite, json=json)
         return
     if html is not None:
         checked_target(html, ".html")
     stage = _model(case, overrides, speeds, families=families)
+    from bladewhirl.studies.modal import campbell as study
+
     shown, operated = (
         None if given is None else tuple(given.values(stage.reference_frequency).tolist())
         for given in (speeds, operating)

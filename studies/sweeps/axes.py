@@ -18,7 +18,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.models.inputs.table import Table, path_of, value_at
 from bladewhirl.models.inputs.units import Speed
-from bladewhirl.postprocess.sweep.dataset import DRAW, POINT
+from bladewhirl.solvers.march.schema import DRAW, POINT
 from bladewhirl.studies.sweeps.draws import PERTURB, Draws
 
 Value = int | float | str  #: value as in a case file: a number, or text with a unit

@@ -9,7 +9,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.postprocess.sweep.dataset import DRAW
+from bladewhirl.solvers.march.schema import DRAW
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.plan import read_plan, require_new

@@ -15,9 +15,9 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.table import path_of, value_at
-from bladewhirl.postprocess.sweep.dataset import DRAW, POINT, Layout
+from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
-from bladewhirl.solvers.march.schema import SWEEP_FORMAT
+from bladewhirl.solvers.march.schema import DRAW, POINT, SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.prepare import problem_of, screened
 from bladewhirl.studies.sweeps.axes import OVER, Grid, PointTable, coordinate, make_grid, unit_of

@@ -24,7 +24,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
 from bladewhirl.postprocess.sweep import dataset
-from bladewhirl.solvers.march.schema import SCREENING, SWEEP, SWEEP_FORMAT
+from bladewhirl.solvers.march.schema import POINT, SCREENING, SWEEP, SWEEP_FORMAT
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
@@ -62,7 +62,7 @@ def create(
                 label = f"{axis.key}, as given"
                 along.append((as_given[-1], axis.name, axis.numbers, axis.unit, label))
         for axis in grid.table:
-            along.append((axis.name, dataset.POINT, *coordinates[axis.key], axis.key))
+            along.append((axis.name, POINT, *coordinates[axis.key], axis.key))
             as_given.append(axis.name)
         label = "frequency in the rotating frame, forward positive"
         along.append(("frequency", "frequency", layout.frequency, "Hz", label))
