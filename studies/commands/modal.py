@@ -143,7 +143,6 @@ def campbell(
         families: Number of families of the bladed disk, without the suspension pair.
         html: Write both diagrams as an interactive page, FILE.html.
     """
-    from bladewhirl.postprocess.plotting.files import checked_target
 
     def widest(reference: float) -> FloatArray:
         from bladewhirl.studies.modal.campbell import WIDEST
@@ -156,6 +155,8 @@ def campbell(
         present(found, case, output, overwrite=overwrite, json=json)
         return
     if html is not None:
+        from bladewhirl.postprocess.plotting.files import checked_target
+
         checked_target(html, ".html")
     stage = _model(case, overrides, speeds, families=families)
     from bladewhirl.studies.modal import campbell as study

@@ -187,6 +187,31 @@ def test_separate_blades_meet_the_casing_with_every_nodal_diameter(tmp_path: Pat
     assert "no stiffness_speed" in second.attrs["hints"]
 
 
+@pytest.mark.parametrize("speed", ["3000 rpm", 0.1])
+def test_listed_modes_of_a_sector_take_no_static_solution(
+    tmp_path: Path, speed: str | float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All modes of each nodal diameter, which have static displacements besides, are the same."""
+    part = bw.mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2)
+    bw.write_superelement(file := tmp_path / "sector.npz", part)
+    table = {"file": str(file), "kind": "sector", "copies": SECTORS}
+    case = bw.case_from(
+        {
+            "bladed_disk": {"superelement": table},
+            "casing": {"type": "rigid"},
+            "rotation": {"effects": "centrifugal"},
+            "march": {"speed": speed},
+        }
+    )
+    every = bw.modes(case)["frequency"].values
+
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("bladewhirl.models.superelements.solver.Pencil.static", refused)
+    np.testing.assert_allclose(bw.modes(case, count=9)["frequency"].values[:9], every[:9], 1e-8)
+
+
 def test_coriolis_forces_split_the_waves_of_a_sector(tmp_path: Path) -> None:
     """Over the speed, as in `modes` at one speed; a rigid wall has no modes."""
     part = blade(levels=3)
