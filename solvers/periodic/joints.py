@@ -20,17 +20,16 @@ equations of the states, and changes the states.
 
 Newton's method needs a discrete slip in which forces that oppose it take energy, as in the
 equations of motion. With the phase a = 2 pi h / n of a step, the low harmonics are exact: C + A of
-`models.joints.wheel` and i a (C + A). For high harmonics the modes respond to forces that are
-constant between the instants, see `steps`, and the slip is the change of their displacements
-between the ends of a step about the instant; that of the residual flexibility C is the backward
-difference 1 - exp(-i a), whose real part is positive. The direction of slip, unlike that of
-backward differences alone, does not lag behind the motion.
+`models.joints.wheel` and i a (C + A), so that the direction of slip does not lag behind the motion.
+For high harmonics the modes respond to forces that are constant in each step, see `steps`, with the
+value at its end, and the slip is the backward difference, as in an implicit march. Between them the
+responses and the slips are blended; each part takes energy. Modes that turn far in a step are
+damped in the high harmonics: impacts of their masses would have many motions that mean nothing.
 
 If nodes are stuck all the time, the mean of their tangential forces is not unique: joints are
 assembled without tangential force, and the mean is the smallest possible one, zero.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd
@@ -44,9 +43,12 @@ from bladewhirl.solvers.periodic.steps import Steps
 
 OPEN, STUCK, SLIPPING = range(3)
 """States of a node at an instant."""
-EXACT, BACKWARD = 8.0, 4.0
-"""Instants in a period of the highest harmonic whose response is exact, and of the lowest one with
-backward differences of the residual flexibility."""
+EXACT, BACKWARD = 32.0, 8.0
+"""Instants in a period of the highest harmonic whose response is exact, and of the lowest one whose
+slip is a backward difference."""
+STIFF, STIFF_RATIO, RESOLVED = 0.25, 1.0, 140.0
+"""Angle of a mode in a step from which on damping is added to it outside of the exact harmonics,
+and the damping ratio added from twice this angle on."""
 CAUTION = 10.0
 """Factor of the flexibilities 1 / rho to typical ones; with smaller ones, nodes in whose slip a
 Newton step errs change into the opposite slip in place of sticking."""
@@ -57,19 +59,6 @@ without joint forces, at which Newton's method ends."""
 WILD = 1e6  #: growth of the forces at which Newton's method gives up
 REGULAR = 1e-9
 """Change of the diagonal of the equations of stuck nodes, relative to the flexibility."""
-FIRST_INSTANTS, LEAST_INSTANTS, MOST_INSTANTS = 64, 128, 512
-"""Instants of the first grid, of a result, and of the finest grid, approximately."""
-COMPARED = 4  #: number of harmonics of the forces of which two grids are compared
-CONVERGED = 5e-3
-"""Largest relative change of these harmonics with the last refinement; the error of the finer grid
-is smaller."""
-LARGE_RATIO, SMALL_RATIO = 1.0, 3e-4
-"""First damping ratio that is added where damping falls, and the smallest before none is."""
-FALL, SLOWEST = 0.3, 0.93
-"""Factor of the damping ratio in a step, and the largest one."""
-FIRST_SHARE, SHORTEST, GROWTH, QUICK = 0.25, 2e-3, 1.6, 8
-"""First and shortest step of growing loads, relative to the loads; the factor by which steps grow
-after so many Newton steps or fewer."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,6 @@ class JointGrid:
 
     wheel: JointedWheel
     instants: int  #: number of instants n
-    share: float = 1.0  #: factor on the loads
 
     @classmethod
     def near(cls, wheel: JointedWheel, instants: int) -> "JointGrid":
@@ -98,13 +86,6 @@ class JointGrid:
         """Period of the motion [s]."""
         return 2.0 * np.pi / (self.order * abs(self.wheel.speed))
 
-    def loaded(self, share: float) -> "JointGrid":
-        """Return the grid with a share of the loads."""
-        other = replace(self, share=share)
-        for name in ("responses", "soft", "lagged"):  # they do not depend on the loads
-            other.__dict__[name] = getattr(self, name)
-        return other
-
     @property
     def shift(self) -> int:
         """Instants by which a blade is ahead of the one before it."""
@@ -123,28 +104,26 @@ class JointGrid:
         wheel, count = self.wheel, self.instants // 2 + 1
         number = np.arange(count)
         turn = 2.0 * np.pi / self.instants * number
-        exact = number * EXACT <= self.instants
         of_waves: dict[int, ComplexArray] = {}
-        modal = np.empty((count, wheel.values, wheel.values), dtype=np.complex128)
-        residual = np.empty_like(modal)
+        found = np.empty((2, count, wheel.values, wheel.values), dtype=np.complex128)
+        place = np.log(np.maximum(number, 0.5) * EXACT / self.instants) / np.log(EXACT / BACKWARD)
+        exact = np.cos(0.5 * np.pi * np.clip(place, 0.0, 1.0)) ** 2
         for h, k in enumerate(self.diameter.tolist()):
             wave = wheel.wave(k)
-            if exact[h]:
-                answers = wave.admittance(turn[h] / self.step)
-            else:
-                if id(wave) not in of_waves:
-                    steps = Steps(wave.stiffness, wave.damping, self.step)
-                    of_waves[id(wave)] = steps.answers(self.instants)[0]
-                each = of_waves[id(wave)][..., h]
-                answers = each.ravel() if each.shape[1] == 1 else each[0]
-            modal[h], residual[h] = wheel.by_modes(k, answers), wheel.residual(k)
-        by_modes = 1j * np.where(exact, turn, 2.0 * np.tan(0.5 * turn))
-        by_modes[-1] = 0.0  # modes hardly move at the highest harmonic
-        place = (np.log(number + 1e-300) - np.log(self.instants / EXACT)) / np.log(EXACT / BACKWARD)
-        share = np.cos(0.5 * np.pi * np.clip(place, 0.0, 1.0)) ** 2
-        direct = share * 1j * turn + (1.0 - share) * (1.0 - np.exp(-1j * turn))
-        slip = by_modes[:, None, None] * modal + direct[:, None, None] * residual
-        return modal + residual, slip
+            if id(wave) not in of_waves:
+                fast = np.sqrt(np.abs(wave.stiffness))
+                angle = max(self.step, self.period / RESOLVED) * fast
+                ratio = STIFF_RATIO * np.clip(angle / STIFF - 1.0, 0.0, 1.0)
+                steps = Steps(wave.stiffness, wave.damping + np.diag(2.0 * ratio * fast), self.step)
+                of_waves[id(wave)] = steps.answers(self.instants, at_ends=True)[0]
+            each = of_waves[id(wave)][..., h]
+            stepped = wheel.by_modes(k, each.ravel() if each.shape[1] == 1 else each[0])
+            true = wheel.by_modes(k, wave.admittance(turn[h] / self.step))
+            rates = 1j * turn[h], 1.0 - np.exp(-1j * turn[h])
+            for n, (smooth, backward) in enumerate(((1.0, 1.0), rates)):
+                found[n, h] = exact[h] * smooth * (true + wheel.residual(k))
+                found[n, h] += (1.0 - exact[h]) * backward * (stepped + wheel.residual(k))
+        return found[0], found[1]
 
     @property
     def diameter(self) -> IntArray:
@@ -166,7 +145,7 @@ class JointGrid:
             moved = wheel.unloaded(order)
             moved = moved if wheel.speed > 0.0 else moved.conj()
             spectrum[order // self.order] += moved * (1.0 if order == 0 else 0.5)
-        return self.share * self.instants * spectrum
+        return self.instants * spectrum
 
     @cached_property
     def soft(self) -> FloatArray:
@@ -212,6 +191,7 @@ class JointMotion:
     grid: JointGrid
     force: FloatArray  #: normal and tangential forces of each node [N], (instants, values)
     steps: int = 0  #: Newton steps that led to it
+    change: float = np.inf  #: relative change of its low harmonics with the last refinement
 
     @classmethod
     def at_rest(cls, grid: JointGrid) -> "JointMotion":
@@ -438,112 +418,3 @@ def stuck(grid: JointGrid) -> JointMotion:
     """
     start = JointMotion.at_rest(grid)
     return solve(start, np.full(start.states.shape, STUCK))
-
-
-def loaded(grid: JointGrid) -> JointMotion:
-    """Return the periodic motion to which growing loads lead from the joints at rest.
-
-    Raises:
-        NotConverged: the loads could not grow to their whole size.
-    """
-    reached, step, before = 0.0, FIRST_SHARE, (0.0, JointMotion.at_rest(grid).force)
-    force = before[1]
-    while reached < 1.0:
-        share = min(1.0, reached + step)
-        ahead = (share - reached) / (reached - before[0]) if reached > before[0] else 0.0
-        guess = JointMotion(grid.loaded(share), force + ahead * (force - before[1]))
-        try:
-            motion = solve(guess)
-        except NotConverged:
-            step *= 0.5
-            if step < SHORTEST:
-                raise
-            continue
-        before, force, reached = (reached, force), motion.force, share
-        step *= GROWTH if motion.steps <= QUICK else 1.0
-    return replace(motion, grid=grid)
-
-
-def damped(grid: JointGrid) -> JointMotion:
-    """Return the periodic motion to which falling damping leads from large damping, with which the
-    memory of the modes is short and Newton's method finds the motion.
-
-    Raises:
-        NotConverged: the damping could not fall to its value.
-    """
-    ratio, factor, motion = LARGE_RATIO, FALL, None
-    while True:
-        at = grid if ratio == 0.0 else replace(grid, wheel=grid.wheel.damped(ratio))
-        try:
-            motion = stuck(at) if motion is None else solve(JointMotion(at, motion.force))
-        except NotConverged:
-            factor = np.sqrt(factor)
-            if motion is None or factor > SLOWEST:
-                raise
-        else:
-            if ratio == 0.0:
-                return motion
-            reached, factor = ratio, max(FALL, factor**1.5)
-        ratio = reached * factor if reached * factor > SMALL_RATIO else 0.0
-        if ratio == 0.0 and factor > 0.5:
-            ratio = reached * factor if reached > 0.1 * SMALL_RATIO else 0.0
-
-
-def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> JointMotion:
-    """Return a periodic motion on so many instants that the forces have converged.
-
-    Newton's method begins on a coarse grid with the start, with closed joints without slip, and
-    with open ones; then damping falls from a large one, or loads grow from zero. Each method can
-    fail on one grid only.
-
-    Args:
-        wheel: the wheel with joints.
-        start: a motion near it, as at another speed; None: none is known.
-
-    Raises:
-        NotConverged: no motion was found.
-    """
-    grid = JointGrid.near(wheel, FIRST_INSTANTS)
-    missed = NotConverged("no attempt")
-    while grid.instants <= MOST_INSTANTS:
-        for way in _ways(grid, start):
-            try:
-                return _refined(way())
-            except NotConverged as reason:
-                missed = reason
-        grid = JointGrid.near(wheel, 2 * grid.instants)
-        if grid.instants > 2 * LEAST_INSTANTS:
-            break
-    raise missed
-
-
-def _ways(grid: JointGrid, start: JointMotion | None) -> Iterator[Callable[[], JointMotion]]:
-    """Yield methods that may find a motion on a grid."""
-    if start is not None:
-        yield lambda: solve(start.on(grid))
-    yield lambda: stuck(grid)
-    yield lambda: solve(JointMotion(grid, np.zeros_like(grid.free)))
-    yield lambda: damped(grid)
-    yield lambda: loaded(grid)
-
-
-def _refined(motion: JointMotion) -> JointMotion:
-    """Return a motion on so many instants that the forces have converged.
-
-    Raises:
-        NotConverged: there is no such motion on finer grids, or the forces still change.
-    """
-    missed = NotConverged("the forces still change with the finest grid")
-    while True:
-        grid = JointGrid.near(motion.grid.wheel, 2 * motion.grid.instants)
-        if grid.instants > 2 * MOST_INSTANTS:
-            raise missed
-        try:
-            finer = solve(motion.on(grid))
-        except NotConverged:
-            finer = damped(grid)
-        one, other = (each.harmonics[:COMPARED] for each in (motion, finer))
-        size = float(np.linalg.norm(other))
-        motion = finer
-        if np.linalg.norm(other - one) <= CONVERGED * size and grid.instants >= LEAST_INSTANTS:
-            return motion

@@ -19,13 +19,12 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.modal_loads import NEVER
 from bladewhirl.postprocess.joints.motions import plot_joints
 from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.joint_paths import FIRST_INSTANTS, joint_motion
 from bladewhirl.solvers.periodic.joints import (
-    FIRST_INSTANTS,
     OPEN,
     SLIPPING,
     JointGrid,
     JointMotion,
-    joint_motion,
 )
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
@@ -42,6 +41,7 @@ COLUMNS = (
     Column("work", "work in a period [J]", ".4g"),
     Column("joints"),
     Column("instants", "instants", "d"),
+    Column("change", "change with the grid [–]", ".1e"),
     Column("residual", "residual", ".1e"),
 )
 """Columns of the solutions; of several joints the largest force and share, and all work."""
@@ -179,6 +179,7 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
                 nodes, sampled(lambda m: m.states), "1", "open 0, stuck 1, slipping 2"
             ),
             "instants": (over, [each.grid.instants for each in motions]),
+            "change": quantity(over, [each.change for each in motions], "1"),
             "residual": quantity(over, [each.error for each in motions], "m"),
             "period": quantity(over, [each.grid.period for each in motions], "s"),
         },
@@ -221,6 +222,7 @@ def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
                 "work": float(one["work"].sum("joint")),
                 "joints": of_joints,
                 "instants": int(one["instants"]),
+                "change": float(one["change"]),
                 "residual": float(one["residual"]),
             }
         )

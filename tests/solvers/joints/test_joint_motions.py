@@ -14,13 +14,14 @@ from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.solvers.periodic.joint_paths import joint_motion
 from bladewhirl.solvers.periodic.joints import (
+    OPEN,
     SLIPPING,
     STUCK,
     JointGrid,
     JointMotion,
     _stepped,
-    joint_motion,
     stuck,
 )
 
@@ -63,7 +64,7 @@ def test_limits_are_linear(
     assert amplitude == pytest.approx(linear(given, held), rel=1e-9)
 
 
-@pytest.mark.parametrize("overclosure", [1.2e-3, 8e-4, 5e-4])
+@pytest.mark.parametrize("overclosure", [1.2e-3, 8e-4, 5e-4, 3e-4])
 def test_a_motion_is_that_of_a_march_of_all_blades(tmp_path: Path, overclosure: float) -> None:
     file = tmp_path / "three.npz"
     bw.write_superelement(file, blade(3))
@@ -83,6 +84,7 @@ def test_a_motion_is_that_of_a_march_of_all_blades(tmp_path: Path, overclosure: 
     assert amplitude[1:] == pytest.approx(fine[1:], rel=3e-3)
     assert coarse[1:] == pytest.approx(fine[1:], rel=3e-3)
     assert (found.states == SLIPPING).any()
+    assert (found.states == OPEN).any() == (overclosure < 4e-4)
 
 
 def test_the_work_of_engine_orders_is_that_of_damping_and_friction(tmp_path: Path) -> None:
@@ -102,8 +104,8 @@ def test_the_work_of_engine_orders_is_that_of_damping_and_friction(tmp_path: Pat
             brought = 0.5 * w * float(np.imag(np.vdot(modal, given.loads[order])))
             static = given.joined(order, given.static[order])
             brought += 0.5 * w * float(np.imag(np.vdot(amplitude, static)))
-    period = found.grid.period
-    assert period * brought == pytest.approx(period * lost + found.work.sum(), rel=1e-4)
+    period = found.grid.period  # fast modes have added damping, which is not counted
+    assert period * brought == pytest.approx(period * lost + found.work.sum(), rel=2e-3)
 
 
 def test_forces_satisfy_the_contact_law(tmp_path: Path) -> None:
