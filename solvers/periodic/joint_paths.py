@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
@@ -168,16 +169,12 @@ class Path:
         place = np.append(self.start.force.ravel() / self.size / spread, 0.0)
         along = np.zeros_like(place)
         along[-1] = 1.0
-        matrix = _bordered(at(place), along)
-        along = _tangent(matrix)
-        matrix[-1] = along
-        sign, step = np.linalg.slogdet(matrix)[0], FIRST_STEP
+        along, sign = _tangent(_bordered(at(place), along))
+        step = FIRST_STEP
 
         def ahead(point: Point) -> FloatArray:
-            matrix = _bordered(point, along)
-            found = _tangent(matrix)
-            matrix[-1] = found
-            return found if np.linalg.slogdet(matrix)[0] == sign else -found
+            found, side = _tangent(_bordered(point, along))
+            return found if side == sign else -found
 
         while left > 0:
             reached, point, tries = place + step * along, None, 0
@@ -220,12 +217,16 @@ def _bordered(point: Point, along: FloatArray) -> FloatArray:
     return np.block([[point.by_force, point.by_share[:, None]], [along[None]]])
 
 
-def _tangent(matrix: FloatArray) -> FloatArray:
-    """Return the direction in which all but the last row of bordered equations vanish."""
+def _tangent(matrix: FloatArray) -> tuple[FloatArray, float]:
+    """Return the direction in which all but the last row of bordered equations vanish, and the sign
+    of their determinant with this direction as the last row, which is that with the given row."""
+    factors, swaps = la.lu_factor(matrix)
     unit = np.zeros(len(matrix))
     unit[-1] = 1.0
-    found = np.linalg.solve(matrix, unit)
-    return np.asarray(found / np.linalg.norm(found))
+    found = la.lu_solve((factors, swaps), unit)
+    odd = np.count_nonzero(swaps != np.arange(len(swaps))) % 2
+    sign = np.prod(np.sign(np.diag(factors))) * (-1.0 if odd else 1.0)
+    return np.asarray(found / np.linalg.norm(found)), float(sign)
 
 
 def _turned(
