@@ -132,7 +132,7 @@ static int64_t join_nodes(const March *m, int64_t first, int64_t last, int64_t s
             f->gap.at[n] += casing->modes > 0 ? opened[n] : opened[n] - m->scratch->bending.opened.at[n];
     }
     if (m->stage.coating)
-        reach = reach_of_rods(m);
+        reach = r->reach;
     for (int64_t n = first * count; n < last * count; n++) {
         double gap = f->gap.at[n];
         if (s->listed.at[n])

@@ -89,6 +89,25 @@ static double kink_of_rods(const March *m, int64_t n, double gap, int above, dou
     return nearest;
 }
 
+/* Return the nodal field of the wall without contact forces of this step and without a closure. */
+static const Matrix *wall_of(const March *m)
+{
+    const Casing *casing = m->stage.casing;
+    return casing->modes > 0 ? &m->scratch->fields.nodal : &casing->radial.start;
+}
+
+/* Return that field less the closure at the place with a number. */
+static double wall_under(const March *m, int64_t place)
+{
+    const RodScratch *r = &m->scratch->rods;
+    int64_t e = r->element.at[place], width = r->weight.columns;
+    const double *weight = r->weight.at + place;
+    double wall = hermite_value(wall_of(m), e, weight, width);
+    if (m->stage.closure)
+        wall -= r->closed * hermite_value(&m->stage.closure->share, e, weight, width);
+    return wall;
+}
+
 /* Find the rods under a node, and store their plastic strains and their stresses at the metal as if
  * they did not yield; the wall is that without contact forces of this step, and its shape near the node
  * moves with the node. */
@@ -107,10 +126,10 @@ static void place_rods(const March *m, int64_t n)
         place[k + 1] = rod * ((double)(range[0] + k) + 0.5);
     hermite_weights(place, 0.0, nodes, casing->element_length, count + 1, width, r->element.at,
                     r->weight.at);
-    double here = hermite_value(&r->nodal, r->element.at[0], r->weight.at, width);
+    double here = wall_under(m, 0);
     double part = m->stage.rotor->normal_part.at[n] / c->thickness;
     for (int64_t k = 0; k < count; k++, row++) {
-        double wall = hermite_value(&r->nodal, r->element.at[k + 1], r->weight.at + k + 1, width);
+        double wall = wall_under(m, k + 1);
         double p = plastic[wrapped(c, range[0] + k)];
         r->trial.at[row] = c->young_modulus * (c->limit - part * (wall - here) - p);
         r->plastic.at[row] = p;
@@ -122,49 +141,51 @@ static void place_rods(const March *m, int64_t n)
     r->near.at[n] = 1;
 }
 
-/* Return an upper bound of the slope of a nodal Hermite field on an element. */
-static inline double steepest(const Casing *casing, int64_t element, const Matrix *nodal)
+/* Return an upper bound of the slope of a nodal Hermite field by the angle. */
+static double steepest(const Casing *casing, const Matrix *nodal)
 {
     const double *value = nodal->at, *slope = value + nodal->columns;
-    double chord = fabs(value[element + 1] - value[element]) / casing->element_length;
-    return 1.5 * chord + fabs(slope[element]) + fabs(slope[element + 1]);
+    double most = 0.0, length = casing->element_length;
+    for (int64_t e = 0; e < casing->nodes; e++) {
+        double chord = fabs(value[e + 1] - value[e]) / length;
+        most = larger(most, 1.5 * chord + fabs(slope[e]) + fabs(slope[e + 1]));
+    }
+    return most * length * (double)casing->nodes / (2.0 * PI);
 }
 
-/* Return the gap to the metal below which the rods under a node have to be evaluated. */
-static double reach_of_rods(const March *m)
+/* Find the gap to the metal below which the rods under a node have to be evaluated. The slopes of a
+ * rigid wall and of the share of a closure are found in the first step. */
+static void find_reach(const March *m)
 {
     const Coating *c = m->stage.coating;
     const Casing *casing = m->stage.casing;
-    double slope = 0.0, half = 0.0;
+    RodScratch *r = &m->scratch->rods;
+    double half = 0.0;
+    if (r->steepest < 0.0)
+        r->closing = m->stage.closure ? steepest(casing, &m->stage.closure->share) : 0.0;
+    if (r->steepest < 0.0 || casing->modes > 0)
+        r->steepest = steepest(casing, wall_of(m));
     for (int64_t i = 0; i < c->half.size; i++)
         half = larger(half, c->half.at[i]);
-    for (int64_t e = 0; e < casing->nodes; e++)
-        slope = larger(slope, steepest(casing, e, &m->scratch->rods.nodal));
-    slope *= casing->element_length * (double)casing->nodes / (2.0 * PI);
-    return c->limit * c->thickness + slope * (half + 0.5) * 2.0 * PI / (double)c->rods;
+    double slope = r->steepest + fabs(r->closed) * r->closing;
+    r->reach = c->limit * c->thickness + slope * (half + 0.5) * 2.0 * PI / (double)c->rods;
 }
 
 /* Find the nodes that touch the coating without contact forces of the step that ends at a time.
  * Returns whether there are any. */
 static int find_rods(const March *m, double time)
 {
-    const Casing *casing = m->stage.casing;
     const Closure *closure = m->stage.closure;
-    const Matrix *nodal = casing->modes > 0 ? &m->scratch->fields.nodal : &casing->radial.start;
     int touches = 0;
     RodScratch *r = &m->scratch->rods;
     const double *gap = m->scratch->fields.free_gap.at;
-    double rate, slope, closed = closure ? closure_at(closure, time, &rate) : 0.0;
-    for (int64_t i = 0; i <= casing->nodes; i++)
-        for (int64_t k = 0; k < 2; k++) {
-            double share = closure ? closure->share.at[k * closure->share.columns + i] : 0.0;
-            r->nodal.at[k * r->nodal.columns + i] = nodal->at[k * nodal->columns + i] - closed * share;
-        }
-    double reach = reach_of_rods(m);
+    double rate, slope;
+    r->closed = closure ? closure_at(closure, time, &rate) : 0.0;
+    find_reach(m);
     for (int64_t n = 0; n < r->near.size; n++) {
         r->near.at[n] = 0;
         m->scratch->rods.push.at[n] = 0.0;
-        if (!(gap[n] < reach))
+        if (!(gap[n] < r->reach))
             continue;
         place_rods(m, n);
         if (press_node(m, n, gap[n], &slope) > 0.0)

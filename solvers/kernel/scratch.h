@@ -155,7 +155,10 @@ typedef struct {
     Matrix plastic;  /* its plastic strain at the start of the step */
     Vector stress;   /* stress of each rod under the node that was pressed last [Pa] */
     Vector grown;    /* growth of its plastic strain */
-    Matrix nodal;    /* nodal field of the wall without contact forces of this step */
+    double closed;   /* closure at the end of the step [m] */
+    double steepest; /* bound of the slope of the rigid wall by the angle [m]; below 0: not known yet */
+    double closing;  /* that of the share of the closure */
+    double reach;    /* gap to the metal below which rods have to be evaluated [m] */
 } RodScratch;
 
 /* Forces of a group, see `pieces.h`. */
@@ -321,6 +324,7 @@ static void lay_nodes(Arena *a, const Stage *g, const State *state, int64_t grou
 static void lay_rods(Arena *a, const Stage *g, const State *state, RodScratch *s)
 {
     int64_t tips = g->coating ? state->gap.size : 0, under = 0;
+    s->steepest = -1.0;
     for (int64_t i = 0; g->coating && i < g->coating->half.size; i++) {
         int64_t most = (int64_t)(2.0 * g->coating->half.at[i]) + 2;
         under = under > most ? under : most;
@@ -336,7 +340,6 @@ static void lay_rods(Arena *a, const Stage *g, const State *state, RodScratch *s
     s->plastic = matrix(a, tips, under);
     s->stress = vector(a, under);
     s->grown = vector(a, under);
-    s->nodal = matrix(a, 2, tips > 0 ? g->casing->radial.start.columns : 0);
 }
 
 static void lay_pieces(Arena *a, int64_t group, PieceScratch *s)
