@@ -97,7 +97,7 @@ def _waves(
     """Return the rows F by DFT column if `cyclic` and if the forms of the tips are equal.
 
     The sign of a row is arbitrary. Blades bend equally in modes of nodal diameter zero, so the rows
-    of all tips get the same sign in these modes.
+    of all tips get the same sign in these modes; without such modes the signs stay unknown.
 
     Returns:
         rows F, (tips, terms, modes); their weights by DFT column and by partner column,
@@ -106,10 +106,10 @@ def _waves(
     """
     tips, terms, _ = rows.shape
     plain = rows, aligned((2, 0, 0, 0)), aligned((0, 0))
-    if not cyclic:
+    in_phase = np.flatnonzero(rotor.column == 0)
+    if not cyclic or not in_phase.size:
         return plain
     harmonics = Harmonics(tips, fold=False, unit=lib.HALF, alone=rotor.by_velocity is not None)
-    in_phase = np.flatnonzero(rotor.column == 0)
     rows, weights = rows.copy(), aligned((2, terms, arrangement.rows, arrangement.columns))
     for term in range(terms):
         largest = in_phase[np.argmax(np.abs(rows[0, term, in_phase]))]

@@ -54,7 +54,8 @@ def test_tips_on_a_quarter_of_the_circle_march_as_the_reference(
     assert state.statistics.complementarity_residual < 1e-10
 
 
-@pytest.mark.parametrize("number", range(20))  # 40 further ones: .ci/run, with sanitizers
+# 61009: tips draw back, and no mode has nodal diameter 0. 40 further ones: .ci/run, with sanitizers
+@pytest.mark.parametrize("number", [*range(20), 61009])
 def test_random_stages_march_as_the_reference(number: int) -> None:
     """With all that a march can have: Coriolis forces, dampers, springs, closures, coatings ..."""
     assert check(number)
