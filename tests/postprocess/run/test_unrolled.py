@@ -75,7 +75,5 @@ def _same(drawn: Any, stored: xr.DataArray) -> bool:
     if known.shape != values.shape:
         return False
     factor = known.max() / (values.max() or 1.0)
-    return bool(np.allclose(known, factor * values)) and factor in (
-        0.0,
-        *(10.0**n for n in (-3, 0, 3, 6)),
-    )
+    unit = np.isclose(factor, [0.0, *(10.0**n for n in (-3, 0, 3, 6))], rtol=1e-12, atol=0.0)
+    return bool(np.allclose(known, factor * values) and unit.any())
