@@ -26,9 +26,6 @@ from bladewhirl.models.coupling.equations import (
 )
 from bladewhirl.models.structure.rotating import Rotating
 
-ANGLES = 181
-"""Number of angles of the rotor at which frequencies are computed if they depend on the angle."""
-
 SIX_NAMES = ("casing k=1", "1F k=1", "suspension")
 """Names of the modes of the paper's system, which have k = 1."""
 
@@ -227,25 +224,8 @@ class CoupledEntries:
             harmonics=equations.harmonics,
             rotor=ends[0],
             casing=ends[1],
-            highest_frequency=self.highest_frequency(kappa),
             with_pi=equations.with_pi,
         )
-
-    def highest_frequency(self, kappa: float) -> float:
-        """Return the highest frequency of the modes at any angle [rad/s], coupled by springs of a
-        stiffness [N/m].
-
-        If all modes come in pairs, the angle of the rotor only rotates the coordinates of each pair
-        and does not change the frequencies: one angle is enough. If there is a single mode, the
-        frequencies depend on the angle, and `ANGLES` angles over a full turn are computed.
-        """
-        highest = 0.0
-        for k in self.modes.harmonics:
-            part = self.modes.harmonic(k)
-            angles = np.linspace(0.0, 2.0 * np.pi, 1 if np.all(part.paired) else ANGLES)
-            stiffness = part.equations.stiffness(angles / max(k, 1), kappa)
-            highest = max(highest, float(np.linalg.eigvalsh(stiffness).max()))
-        return float(np.sqrt(highest))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -257,9 +237,9 @@ class CouplingSprings:
     rotor: FloatArray
     """B_k: cosine and sine part at the tips, in rotating axes, for unit modal coordinates
     [kg^-1/2], (harmonics, 2, rotor modes)."""
-    casing: FloatArray  #: A_k: the same of the wall [kg^-1/2], (harmonics, 2, casing modes)
-    highest_frequency: float
-    """Highest frequency of the coupled modes at any angle, or an upper bound [rad/s]."""
+    casing: FloatArray
+    """A_k: the same of the wall [kg^-1/2], (harmonics, 2, casing modes); pairs of modes if k > 0,
+    with one frequency."""
     with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
 
     @property
@@ -280,3 +260,12 @@ class CouplingSprings:
         casing = np.concatenate([empty[0], self.casing], axis=-1)[..., self.places]
         rotor = np.concatenate([self.rotor, empty[1]], axis=-1)[..., self.places]
         return spring_stiffness(casing, rotor, self.harmonics, self.factors, angle)
+
+    def highest_frequency(self, rotor: FloatArray, casing: FloatArray) -> float:
+        """Return the highest frequency of the coupled modes at any angle [rad/s], for squared
+        frequencies without the springs, (rotor modes,) and (casing modes,).
+
+        The angle does not change the frequencies: it only rotates the pairs of modes of the wall.
+        """
+        alone = np.diag(np.concatenate([rotor, casing])[self.places])
+        return float(np.sqrt(np.linalg.eigvalsh(alone + self.stiffness(angle=0.0))[-1]))

@@ -155,8 +155,7 @@ def _springs(stage: Matrices) -> CouplingSprings | None:
     radial = blade_means(stage.blade) @ stage.rotor.tip_radial
     moved = sp.block_diag([radial] * stage.copies)
     outward = np.asarray(moved.toarray(), dtype=np.float64)
-    angle, frequency = stage.blade_angle.ravel(), stage.rotor.frequency
-    return coupling_springs(stage.case, outward, angle, frequency, stage)
+    return coupling_springs(stage.case, outward, stage.blade_angle.ravel(), stage)
 
 
 def _reduced_at(

@@ -268,10 +268,9 @@ def critical_time_step(
     (Omega g dt)^2) for an eigenvalue i g of M^-1 G.
     """
     highest = max(rotor.highest_frequency, casing.frequency.max(initial=0.0))
-    if springs is not None:
-        highest = max(highest, springs.highest_frequency)
-    if bearings is not None:
-        highest = max(highest, bearings.highest_frequency(rotor.stiffness, casing.frequency**2))
+    for joined in (springs, bearings):
+        if joined is not None:
+            highest = max(highest, joined.highest_frequency(rotor.stiffness, casing.frequency**2))
     # Upper bound of the increase of squared frequencies due to unequal bearings.
     increase = abs(rotor.anisotropy) * np.linalg.eigvalsh(rotor.centre @ rotor.centre.T).max()
     return float(2.0 / np.sqrt(highest**2 + increase))

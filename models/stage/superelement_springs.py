@@ -6,7 +6,6 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.coupling.equations import wave_integrals
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import ROUNDING, lowest_radial, wall_motion
 from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
@@ -15,7 +14,7 @@ from bladewhirl.models.stage.ring import Ring
 
 
 def coupling_springs(
-    case: Case, outward: FloatArray, angle: FloatArray, rotor_frequency: FloatArray, ring: Ring
+    case: Case, outward: FloatArray, angle: FloatArray, ring: Ring
 ) -> CouplingSprings:
     """Return the springs of a case between all modes of a superelement and the lowest radial mode
     of the casing of each nodal diameter.
@@ -25,13 +24,11 @@ def coupling_springs(
         outward: mean radial displacement of the contact nodes of each blade for unit modal
             coordinates [kg^-1/2], (blades, modes).
         angle: angle of each blade at t = 0 [rad], (blades,).
-        rotor_frequency: frequency of the modes [rad/s], (modes,).
         ring: the casing.
 
     Raises:
         CaseError: the blades or the casing have no cyclic symmetry.
     """
-    kappa, with_pi = case.coupling.stiffness, case.coupling.pi
     order = np.argsort(np.mod(angle, 2.0 * np.pi))
     angle, outward = np.mod(angle, 2.0 * np.pi)[order], outward[order]
     casing, modes = ring.casing, ring.casing_modes
@@ -47,16 +44,10 @@ def coupling_springs(
     parts = wave_parts(outward, angle - angle[0], k)
     on_rotor = rotate(parts, np.multiply.outer(k, angle[:1]), axis=1)
     on_rotor[np.abs(on_rotor) <= ROUNDING * np.abs(on_rotor).max()] = 0.0
-    # The springs act on independent coordinates of both bodies, so that the largest eigenvalue of
-    # their stiffness at any angle is below the sum of those with the other body held.
-    root = np.sqrt(kappa * wave_integrals(k, with_pi=with_pi))[:, None, None]
-    held = [np.linalg.norm(np.vstack([*(root * rows)]), 2) for rows in (on_casing, on_rotor)]
-    highest = max(rotor_frequency.max(), modes.frequency.max())
     return CouplingSprings(
-        kappa=kappa,
+        kappa=case.coupling.stiffness,
         harmonics=k,
         rotor=on_rotor,
         casing=on_casing,
-        highest_frequency=float(np.sqrt(highest**2 + held[0] ** 2 + held[1] ** 2)),
-        with_pi=with_pi,
+        with_pi=case.coupling.pi,
     )
