@@ -8,7 +8,6 @@ from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.stage.contact_problem import critical_time_step
-from bladewhirl.models.stage.line import LineStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.structure.eigenproblems import damped_eigenvalues
 
@@ -59,8 +58,7 @@ def _stiff_loss(case: Case, inertia: float) -> Iterator[str]:
 def _fed_whirl(stage: Stage) -> Iterator[str]:
     """Yield a warning with the remedy if whirl grows without contact."""
     rotor = stage.rotor
-    held = isinstance(stage, LineStage)  # by bearings, which are not in its stiffness
-    if held or rotor.copies > 1 or not rotor.frequency.min() < 0.0:
+    if stage.bearings is not None or rotor.copies > 1 or not rotor.frequency.min() < 0.0:
         return
     stiffness, forces = np.diag(rotor.stiffness), rotor.damping
     growth, undamped = (

@@ -18,6 +18,7 @@ from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.bearings import Bearings
 from bladewhirl.models.stage.coating import coating_of
 from bladewhirl.models.stage.cone import in_cone
 from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
@@ -207,6 +208,11 @@ class Stage(Ring, ABC):
     def has_centre(self) -> bool:
         """True if the bladed disk has a node at its centre."""
         return True
+
+    @property
+    def bearings(self) -> Bearings | None:
+        """Bearings, whose stiffness is not part of that of the rotor; None without them."""
+        return None
 
     @property
     def steady_centre(self) -> FloatArray:
