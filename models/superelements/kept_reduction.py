@@ -10,7 +10,7 @@ import io
 import logging
 import re
 import stat
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
@@ -24,7 +24,7 @@ from bladewhirl.models.superelements.superelement import Superelement
 
 logger = logging.getLogger(__name__)
 
-VERSION = 5
+VERSION = 6
 """Version of the method; a higher one makes all reductions again."""
 
 FOLDER = ".reduced"  #: what the name of the folder adds to that of the file
@@ -39,18 +39,18 @@ MOST = 8  #: largest number of reductions in a folder
 REMEMBERED, IN_MEMORY = 4, 1e8
 """Number of the last reductions that are kept in memory, and their largest size [bytes]."""
 
-Arrays = Mapping[str, np.ndarray[Any, Any]]
+Arrays = Mapping[str, np.ndarray[Any, Any]]  #: arrays and numbers of a part of a reduction, by name
 
 Kind = TypeVar("Kind", bound=Any)
 
-_remembered: dict[str, Arrays] = {}
+_remembered: dict[str, list[Arrays]] = {}
 """The last reductions by their digests."""
 
 
 def kept_reduction(
-    file: str, part: Superelement, settings: tuple[float, ...], compute: Callable[[], Arrays]
-) -> Arrays:
-    """Return the arrays of a reduction: those that were kept, else those that a function computes.
+    file: str, part: Superelement, settings: tuple[float, ...], compute: Callable[[], list[Arrays]]
+) -> list[Arrays]:
+    """Return the parts of a reduction: those that were kept, else those that a function computes.
 
     A file that is damaged is made again, which is logged; a folder that cannot be written, or is a
     link, keeps nothing.
@@ -59,7 +59,7 @@ def kept_reduction(
         file: file of the superelement.
         part: superelement.
         settings: numbers on which the reduction depends.
-        compute: function that returns the arrays by name.
+        compute: function that returns the parts, none of them without arrays.
     """
     digest = _digest(part, settings)
     if digest in _remembered:
@@ -69,36 +69,32 @@ def kept_reduction(
     if large and folder.is_symlink():
         logger.warning("%s: expected a folder, found a link: no reduction is kept.", folder)
         large = False
-    arrays = _read(folder, digest) if large else None
-    if arrays is None:
-        arrays = compute()
+    parts = _read(folder, digest) if large else None
+    if parts is None:
+        parts = compute()
         if large:
-            _write(folder, digest, arrays)
-    if sum(one.nbytes for one in arrays.values()) <= IN_MEMORY:
-        _remembered[digest] = arrays
+            _write(folder, digest, parts)
+    if sum(one.nbytes for arrays in parts for one in arrays.values()) <= IN_MEMORY:
+        _remembered[digest] = parts
         for old in list(_remembered)[:-REMEMBERED]:
             del _remembered[old]
-    return arrays
+    return parts
 
 
-def flattened(parts: Iterable[Any]) -> dict[str, np.ndarray[Any, Any]]:
-    """Return the arrays and numbers of dataclasses, by name and place, for `kept_reduction`."""
+def arrays_of(part: Any) -> Arrays:
+    """Return the arrays and numbers of a dataclass, for `kept_reduction`."""
     return {
-        f"{name}_{place}": np.asarray(value.toarray() if sp.issparse(value) else value)
-        for place, part in enumerate(parts)
+        name: np.asarray(value.toarray() if sp.issparse(value) else value)
         for name, value in vars(part).items()
         if value is not None
     }
 
 
-def restored(kind: type[Kind], count: int, arrays: Arrays) -> list[Kind]:
-    """Return dataclasses from what `flattened` made of them."""
-    names = [field.name for field in fields(kind)]
-    found = [{name: arrays.get(f"{name}_{place}") for name in names} for place in range(count)]
-    return [
-        kind(**{name: one if one is None or one.ndim else one.item() for name, one in part.items()})
-        for part in found
-    ]
+def restored(kind: type[Kind], arrays: Arrays) -> Kind:
+    """Return a dataclass from what `arrays_of` made of it."""
+    given = {name: one if one.ndim else one.item() for name, one in arrays.items()}
+    found: Kind = kind(**dict.fromkeys(field.name for field in fields(kind)) | given)
+    return found
 
 
 def _digest(part: Superelement, settings: tuple[float, ...]) -> str:
@@ -124,8 +120,9 @@ def _own(folder: Path, digest: str = "") -> list[Path]:
     return sorted(files, key=lambda one: one.lstat().st_mtime)
 
 
-def _read(folder: Path, digest: str) -> Arrays | None:
-    """Return the arrays of a file; None if there is none that is whole."""
+def _read(folder: Path, digest: str) -> list[Arrays] | None:
+    """Return the parts in a file, each of which is a folder of it; None if there is no file that is
+    whole."""
     for path in _own(folder, f"{digest}-"):
         try:
             state, (_, size, checksum) = path.lstat(), path.stem.split("-")
@@ -137,10 +134,13 @@ def _read(folder: Path, digest: str) -> Arrays | None:
                     raise ValueError("its contents have another checksum")
                 stream.seek(0)
                 with np.load(stream, allow_pickle=False) as archive:
-                    arrays = {name: archive[name] for name in archive.files}
-            if str(arrays.pop("digest", "")) != digest:
-                raise ValueError("it belongs to another reduction")
-            return arrays
+                    if str(archive["digest"]) != digest:
+                        raise ValueError("it belongs to another reduction")
+                    parts: dict[str, dict[str, Any]] = {}
+                    for place in archive.files[1:]:
+                        number, name = place.split("/")
+                        parts.setdefault(number, {})[name] = archive[place]
+            return [*parts.values()]
         except Exception as error:  # the reader raises exceptions of any type
             logger.warning("%s: damaged (%s): the reduction is computed again.", path, error)
             with suppress(OSError):
@@ -148,12 +148,15 @@ def _read(folder: Path, digest: str) -> Arrays | None:
     return None
 
 
-def _write(folder: Path, digest: str, arrays: Arrays) -> None:
+def _write(folder: Path, digest: str, parts: list[Arrays]) -> None:
+    content: dict[str, Any] = {"digest": np.array(digest)}
+    for number, arrays in enumerate(parts):
+        content |= {f"{number}/{name}": each for name, each in arrays.items()}
     try:
-        np.savez(stream := io.BytesIO(), allow_pickle=False, digest=np.array(digest), **arrays)
-        content = stream.getvalue()
-        checksum = hashlib.sha256(content).hexdigest()
-        write_atomically(folder / f"{digest}-{len(content)}-{checksum}.npz", content)
+        np.savez(stream := io.BytesIO(), allow_pickle=False, **content)
+        written = stream.getvalue()
+        checksum = hashlib.sha256(written).hexdigest()
+        write_atomically(folder / f"{digest}-{len(written)}-{checksum}.npz", written)
         for old in _own(folder)[:-MOST]:
             old.unlink()
     except (OSError, MemoryError) as error:

@@ -18,7 +18,7 @@ from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.further_modes import further, stiffest
 from bladewhirl.models.superelements.kept_reduction import (
     Arrays,
-    flattened,
+    arrays_of,
     kept_reduction,
     restored,
 )
@@ -106,7 +106,7 @@ class WheelOverSpeeds:
         differ = mistuned and own is not None
         count = modes + (FURTHER_MODES if static and (highest or differ) else 0)
 
-        def compute() -> Arrays:
+        def compute() -> list[Arrays]:
             found = sector_blocks(
                 *(part, sectors, count, highest),
                 touched=True,
@@ -114,14 +114,14 @@ class WheelOverSpeeds:
                 between=static,
                 static=static,
             )
-            arrays = flattened(replace(each, blade=None) for each in found.values())
+            parts = [arrays_of(replace(each, blade=None)) for each in found.values()]
             fields = [each.blade for each in found.values() if each.blade is not None]
-            return arrays | ({} if own is None else {"products": blade_products(own, fields)})
+            return parts if own is None else [*parts, {"products": blade_products(own, fields)}]
 
         settings = (sectors, modes, highest, differ, static)
-        kept = compute() if file is None else kept_reduction(file, part, settings, compute)
-        self._products = kept.get("products")
-        self.blocks: list[NodalBlock] = restored(NodalBlock, sectors // 2 + 1, kept)
+        parts = compute() if file is None else kept_reduction(file, part, settings, compute)
+        self._products = None if own is None else parts[-1]["products"]
+        self.blocks = [restored(NodalBlock, each) for each in parts[: sectors // 2 + 1]]
 
     def at(
         self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()

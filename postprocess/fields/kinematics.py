@@ -281,12 +281,6 @@ def closure_change(dataset: xr.Dataset, records: IntArray, angle: Array) -> Arra
     return np.asarray(-closure.value(time)[:, None] * closure.around.value(angle))
 
 
-def coating_strain_at(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
-    """Return the plastic strain of the coating at static angles [rad] and at records, (record,
-    point), the largest of all tracks."""
-    return np.asarray(track_strains(dataset, records, angle).max(axis=1))
-
-
 def track_strains(dataset: xr.Dataset, records: IntArray, angle: Array) -> Array:
     """Return the plastic strain of each track of the coating at static angles [rad] and at records,
     (record, track, point). The strain at a record is that of the last profile stored before this

@@ -30,13 +30,7 @@ from bladewhirl.postprocess.plotting.titles import head
 
 PERMANENT = 0.99  #: a blade with at least this share of the time in contact is "permanent"
 COLUMNS = 600  #: largest number of time spans of a map; more spans could not be seen
-BRIGHTEST = 99.0
-"""If a few peaks are much larger than this percentile of the positive forces (see `PEAK`), the
-percentile has the brightest colour."""
-
 FORCE_DECADES = 3.0  #: number of decades that colours distinguish below the largest force
-#: colours are clipped if the largest force exceeds the percentile `BRIGHTEST` by this factor
-PEAK = 1.5
 FEW_PERCENT = 40.0
 """If no share of the time in contact exceeds this [%], its axis, or its scale of colours, is
 shortened."""
@@ -261,16 +255,6 @@ def draw_share(
     darkest colour, see `share_limit`."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     return draw_map(axes, across, up, percent, cmap=COLOUR_MAPS["contact"], vmin=0.0, vmax=limit)
-
-
-def force_limit(force: Array) -> float:
-    """Return the force that has the brightest colour: the largest force or, if a few forces are
-    much larger than all others, the percentile `BRIGHTEST`."""
-    pushed = force[force > 0]
-    if not len(pushed):
-        return 1.0
-    largest, usual = float(pushed.max()), float(np.percentile(pushed, BRIGHTEST))
-    return usual if largest > PEAK * usual else largest
 
 
 def _map_axes() -> tuple[Figure, Axes]:

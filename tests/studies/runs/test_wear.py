@@ -13,7 +13,7 @@ import bladewhirl as bw
 from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.build_beams import build_beams
-from bladewhirl.postprocess.fields.kinematics import ViewError, coating_strain_at, table_of_result
+from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result, track_strains
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.wear import lobe_shares, lobes_of, wear_summary
 from bladewhirl.studies.runs.prepare import prepare
@@ -132,7 +132,7 @@ def test_the_file_of_a_mesh_need_not_be_here_to_see_the_wear(whole: Path) -> Non
         for name in ("wear", "gaps"):
             RunFigures(moved).draw(name)
         at = np.array([0.5]), np.array([-1])
-        assert coating_strain_at(moved, at[1], at[0]) == coating_strain_at(result, at[1], at[0])
+        assert track_strains(moved, at[1], at[0]) == track_strains(result, at[1], at[0])
 
 
 def test_motions_of_modes_have_no_case() -> None:
