@@ -27,8 +27,8 @@ Analyse modes, before a march
     contact, `campbell` coincidence speeds, `veering` frequencies and `critical_speeds` critical
     speeds against the stiffness of the shaft, `stability` growth rates, `response` amplitudes under
     engine-order forces, `amplification` that by mistuning, as Datasets. Of a shaft line:
-    `line_modes`, `line_critical_speeds`, `line_campbell`, `line_response` to unbalances and
-    `line_order_response` to forces on the blades of its wheel.
+    `line_modes`, `line_critical_speeds`, `line_campbell`, `line_stability`, `line_response` to
+    unbalances and `line_order_response` to forces on the blades of its wheel.
 Compute periodic rubs
     `periodic` returns periodic motions of a 3D blade in a wall, and their stability, without time
     integration; `branch` follows one over a key of the case through folds, `resume_branch`

@@ -62,6 +62,7 @@ from .studies.shaft_line.critical_speeds import line_campbell as line_campbell
 from .studies.shaft_line.critical_speeds import line_critical_speeds as line_critical_speeds
 from .studies.shaft_line.modes import line_modes as line_modes
 from .studies.shaft_line.orders import line_order_response as line_order_response
+from .studies.shaft_line.stability import line_stability as line_stability
 from .studies.shaft_line.unbalance import line_response as line_response
 from .studies.sweeps.drawn import drawn_case as drawn_case
 from .studies.sweeps.sweep import resume_sweep as resume_sweep

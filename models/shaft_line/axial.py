@@ -14,14 +14,14 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.shaft_line.line import LineModel
-from bladewhirl.models.shaft_line.whirl import LineModes
+from bladewhirl.models.shaft_line.whirl import LineModes, conserved
 
 STRETCH = np.array([[1.0, -1.0], [-1.0, 1.0]])
 
 
 @dataclass(frozen=True, kw_only=True)
 class AxialModes:
-    """Modes along and about the axis, by rising frequency."""
+    """Modes along and about the axis that vibrate or grow, by rising frequency."""
 
     eigenvalue: ComplexArray  #: decay rate (negative) plus i times frequency [rad/s], (modes,)
     direction: tuple[str, ...]  #: "axial" or "torsional", whichever has more kinetic energy
@@ -48,7 +48,8 @@ def axial_modes(line: LineModel, omega: float) -> AxialModes:
         [[0.0 * one, one], [-la.solve(mass, stiffness), -la.solve(mass, drag)]],
     )
     values, vectors = la.eig(first)
-    rows = np.flatnonzero(values.imag > 0.0)
+    values = conserved(values, drag, stiffness)
+    rows = np.flatnonzero((values.imag > 0.0) | ((values.imag == 0.0) & (values.real > 0.0)))
     rows = rows[np.argsort(values[rows].imag, kind="stable")]
     shapes = vectors[: len(mass), rows]
     moved, turned = (

@@ -29,6 +29,9 @@ it."""
 
 SAME = 1e-9  #: relative difference of eigenvalues below which they are a pair
 
+CONSERVATIVE = 1e-13
+"""Matrices have damping or circulatory forces if these are a larger fraction of their entries."""
+
 ALIKE = 1e-6  #: relative difference of forward and backward part below which a mode is planar
 
 TRIALS, WIDER = 40, 1.3
@@ -78,6 +81,21 @@ def line_modes(line: LineModel, omega: float, count: int | None = None) -> LineM
         omega: speed of rotation [rad/s].
         count: number of modes; all if None.
     """
+    motions = all_motions(line, omega)
+    found, left = motions.eigenvalue, motions.left
+    whirls = np.flatnonzero(found.imag > OVERDAMPED * np.abs(found))
+    rows = whirls[np.argsort(found[whirls].imag, kind="stable")]
+    for one in np.flatnonzero(
+        line.is_round & (np.abs(np.diff(found[rows])) < SAME * np.abs(found[rows[1:]]))
+    ):
+        rows[one : one + 2] = sorted(rows[one : one + 2], key=lambda row: not left[row].any())
+    modes = motions.take(rows[:count])
+    return modes if line.is_round else _separated(modes)
+
+
+def all_motions(line: LineModel, omega: float) -> LineModes:
+    """Return all free motions at a speed [rad/s], in no order, with those that decay or grow
+    without a whirl."""
     if line.is_round:
         found, vectors = _eigenpairs(line.forms(omega), line.reference_frequency)
         ahead = found.imag > 0.0
@@ -85,17 +103,10 @@ def line_modes(line: LineModel, omega: float, count: int | None = None) -> LineM
         found = np.where(ahead, found, found.conj())
     else:
         found, vectors = _eigenpairs(line.matrices(omega), line.reference_frequency)
-        x, y = np.split(vectors, 2)
+        once = found.imag >= 0.0  # of conjugates
+        found, (x, y) = found[once], np.split(vectors[:, once], 2)
         left, right = (x + 1j * y) / 2.0, (x.conj() + 1j * y.conj()) / 2.0
-    whirls = np.flatnonzero(found.imag > OVERDAMPED * np.abs(found))
-    rows = whirls[np.argsort(found[whirls].imag, kind="stable")]
-    for one in np.flatnonzero(
-        line.is_round & (np.abs(np.diff(found[rows])) < SAME * np.abs(found[rows[1:]]))
-    ):
-        rows[one : one + 2] = sorted(rows[one : one + 2], key=lambda row: not left[:, row].any())
-    rows = rows[:count]
-    modes = LineModes(speed=omega, eigenvalue=found[rows], left=left.T[rows], right=right.T[rows])
-    return modes if line.is_round else _separated(modes)
+    return LineModes(speed=omega, eigenvalue=found, left=left.T, right=right.T)
 
 
 def _separated(modes: LineModes) -> LineModes:
@@ -129,7 +140,20 @@ def _eigenpairs(
         )
     )
     found = np.abs(inverse) > 0.0
-    return 1.0 / inverse[found], vectors[: len(mass), found]
+    values = conserved(1.0 / inverse[found], damping, stiffness)
+    return values, vectors[: len(mass), found]
+
+
+def conserved(
+    values: ComplexArray, damping: ComplexArray | FloatArray, stiffness: ComplexArray | FloatArray
+) -> ComplexArray:
+    """Return eigenvalues without real parts that are rounding errors, because the matrices, (n, n)
+    each, have only gyroscopic and conservative forces."""
+    lost, driven = damping + damping.conj().T, stiffness - stiffness.conj().T
+    for part, whole in ((lost, damping), (driven, stiffness)):
+        if abs(part).max() > CONSERVATIVE * abs(whole).max():
+            return values
+    return np.where(np.abs(values.real) < SAME * np.abs(values), 1j * values.imag, values)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
 # Typer parses these defaults.
 RESPONSE_SPEEDS: Any = "0.1:2:0.005"
-CHART_SPEEDS: Any = "0.6:3:0.004"
+CHART_SPEEDS = "0.6:3:0.004"
+LINE_SPEEDS = "0:3:0.03"
 CHART_KAPPAS: Any = "0:1000:4"
 
 
@@ -284,7 +285,7 @@ def stability(
     case: options.CaseFile,
     speed: Annotated[Any, options.speed("--speed")] = None,
     kappa: Annotated[float | None, options.stiffness("--kappa")] = None,
-    speeds: options.Speeds = CHART_SPEEDS,
+    speeds: options.MaybeSpeeds = None,
     kappas: Annotated[
         options.Span, options.span("--kappas", unit="N/m", stepped=True)
     ] = CHART_KAPPAS,
@@ -316,11 +317,14 @@ def stability(
     the growth rate of the uncoupled bladed disk by internal damping is listed, and the bearing
     damping that stabilises it.
 
+    Of a shaft line, the table lists the speeds at which growth by internal damping or by cross
+    terms of bearings begins or ends, and the figure shows the largest growth rate over --speeds.
+
     Args:
         speed: One speed: multiples of ω₁, or text such as "2500 rpm".
         kappa: One coupling stiffness [N/m], together with --speed.
         speeds: Speeds of the chart: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
-            included.
+            included. By default 0.6:3:0.004, of a shaft line 0:3:0.03.
         kappas: Stiffnesses of the chart [N/m].
         line: Stiffness [N/m] of the figure of eigenvalues against speed.
         modes: Modes to couple: "six" as in the paper, "all", or a list such as
@@ -330,6 +334,11 @@ def stability(
         physical: Use the physical amplitude of each mode, not unit amplitudes.
         films: Also write the divergent mode as VTK series and GIF.
     """
+    given = {"--speed": speed, "--kappa": kappa}
+    of_line = speeds or options.steps("--speeds", LINE_SPEEDS)
+    if found := _of_line(case, overrides, given, "stability", speeds=of_line.values):
+        present(found, case, output, overwrite=overwrite, json=json)
+        return
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
     stiffnesses, model = kappas.values(), _model(case, overrides)
@@ -352,7 +361,8 @@ def stability(
             system, omega, kappa, output, films=films, overwrite=overwrite
         )
     else:
-        omegas = speeds.values(system.reference) * system.reference
+        charted = speeds or options.steps("--speeds", CHART_SPEEDS)
+        omegas = charted.values(system.reference) * system.reference
         with progress_bar("growth rates") as update:
             computed = study.chart_report(system, omegas, stiffnesses, line=line, progress=update)
     present(computed, case, output, overwrite=overwrite, json=json)

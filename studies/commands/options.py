@@ -156,16 +156,22 @@ def span(name: str, *, unit: str = "", stepped: bool = False, help_text: str | N
     read_end: Callable[[str], Any] = in_si(unit) if unit else _speed
 
     def read(text: str) -> Span:
-        from bladewhirl.studies.sweeps.axes import parse_values
-
-        given = text.split(":")
         if stepped:
-            given = [*map(str, parse_values(f"{name} {text}", text, MOST_POINTS))]
-        elif len(given) != 2:
+            return steps(name, text, read_end)
+        given = text.split(":")
+        if len(given) != 2:
             raise ValueError
         return Span(f"{name} {text}", tuple(map(read_end, given)))
 
     return option(name, form, read, f"{form}, with ends that are {units}", help_text)
+
+
+def steps(name: str, text: str, read_end: Callable[[str], Any] | None = None) -> Span:
+    """Return the values of "START:STOP:STEP", speeds by default."""
+    from bladewhirl.studies.sweeps.axes import parse_values
+
+    given = map(str, parse_values(f"{name} {text}", text, MOST_POINTS))
+    return Span(f"{name} {text}", tuple(map(read_end or _speed, given)))
 
 
 Output = Annotated[Path | None, typer.Option("--output", "-o")]
@@ -187,6 +193,7 @@ File = Annotated[Path | None, typer.Option(metavar="FILE")]
 Number = Annotated[int, typer.Option(min=1)]
 MaybeNumber = Annotated[int | None, typer.Option(min=1)]
 Speeds = Annotated[Span, span("--speeds", stepped=True)]
+MaybeSpeeds = Annotated[Span | None, span("--speeds", stepped=True)]
 Stiffnesses = Annotated[
     Span | None,
     span(

@@ -1,5 +1,5 @@
-"""Studies of a shaft line as the commands `modes`, `campbell`, `critical-speeds` and `response`
-print and draw them."""
+"""Studies of a shaft line as the commands `modes`, `campbell`, `critical-speeds`, `response` and
+`stability` print and draw them."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +14,7 @@ from bladewhirl.studies.modal.study import Figures, Study
 from bladewhirl.studies.shaft_line import critical_speeds as speeds_of
 from bladewhirl.studies.shaft_line import modes as modes_of
 from bladewhirl.studies.shaft_line import orders as orders_of
+from bladewhirl.studies.shaft_line import stability as stability_of
 from bladewhirl.studies.shaft_line import unbalance as unbalance_of
 
 POINTS = 101  #: number of speeds of a Campbell diagram
@@ -42,6 +43,13 @@ def campbell(case: Case, *, speeds: Values, families: int) -> Study:
     diagram = speeds_of.line_campbell(case, speeds=omegas, count=2 * families)
     critical = speeds_of.line_critical_speeds(case, count=2 * families)
     return speeds_of.campbell_report(diagram, critical)
+
+
+def stability(case: Case, *, speeds: Values) -> Study:
+    """Return the growth rate at many speeds, and the speeds at which growth begins or ends."""
+    reference = line_model(case).reference_frequency
+    omegas = speeds(reference) * reference
+    return stability_of.report(stability_of.line_stability(case, speeds=omegas))
 
 
 def response(case: Case, *, speeds: Values) -> Study:

@@ -26,4 +26,4 @@ def test_studies_are_tried_with_stages_that_they_can_take(kind: str, expected: s
 
 
 def test_a_stage_that_cannot_be_taken_is_refused() -> None:
-    assert trials.taken_by("shaft line").isdisjoint({"`veering`", "`stability`"})
+    assert trials.taken_by("shaft line").isdisjoint({"`veering`", "`convergence`"})

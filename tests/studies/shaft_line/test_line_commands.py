@@ -74,6 +74,24 @@ def test_the_response_peaks_near_critical_speeds(case: Path, tmp_path: Path) -> 
     assert nearest < 0.01 * peak["rpm"]
 
 
+def test_stability_lists_the_speed_at_which_growth_begins(case: Path, tmp_path: Path) -> None:
+    words = ["stability", case, "--set", "shaft_line.loss_time=1e-5"]
+    assert "begins" in answer(*words, "-o", tmp_path / "stability").output
+    assert (tmp_path / "stability" / "stability.png").exists()
+    document = json.loads(answer(*words, "--json", "--speeds", "0:3:0.5").stdout)
+    [border] = document["shaft_line"]
+    rates = np.array(document["growth_rate"])
+    assert border["growth"] == "begins"
+    assert ((rates > 0.0) == (np.array(document["rpm"]) > border["rpm"])).all()
+    speed = f"march.speed={border['rpm']} rpm"
+    at_border = json.loads(answer("modes", case, *words[2:], "--set", speed, "--json").stdout)
+    assert max(row["decay_per_s"] for row in at_border["shaft_line"]) == pytest.approx(
+        0.0, abs=1e-6
+    )
+    assert document["point"]["growth"] == "stable"
+    assert "neither begins nor ends" in answer("stability", case, "-o", tmp_path / "two").output
+
+
 def test_show_lists_masses_and_static_loads(case: Path) -> None:
     derived = json.loads(answer("show", case, "--json").stdout)["derived"]
     forces = sum(row["force_y"] for row in derived["bearings"])
@@ -88,6 +106,7 @@ def test_show_lists_masses_and_static_loads(case: Path) -> None:
         (["convergence"], "shaft_line: not allowed here"),
         (["periodic"], "shaft_line: not allowed here"),
         (["veering"], "shaft_line: not allowed here"),
+        (["stability", "--kappa", "500"], "--kappa: not allowed with [shaft_line]"),
         (["modes", "--shapes", "1F", "-o", "x"], "--shapes: not allowed with [shaft_line]"),
         (["modes", "--set", "casing.clearance=0.002"], "clearance = 0.002 }: not allowed"),
         (["modes", "--set", "shaft_line.bearings.1.position=0"], "expected bearings that hold"),
