@@ -11,9 +11,13 @@ from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.superelements.superelement import Superelement
 
-CLOSING, OVAL = 0.5, 0.75
+CLOSING, OVAL = 0.3, 0.75
 """Share of the clearance that the wall loses, and amplitude of its two lobes: together they exceed
-the clearance, which the lobes alone leave open at the start."""
+the clearance by little, so that the first rub is light; the lobes alone leave it open."""
+
+LOBES = 2  #: number of lobes, whose multiples are the engine orders of the contact
+
+FASTEST = 500.0  #: largest speed of the tips, about that of large fans [m/s]
 
 GAP = pi / 2.0  #: largest angle between neighbouring contact nodes of a whole wheel [rad]
 
@@ -46,19 +50,24 @@ def part_template(
         part: the superelement.
         reference: its lowest frequency at rest [rad/s].
         critical: critical time step of its reduction to `modes_of` modes [s].
-        speeds: range of speeds [rad/s]; by default about the default speed of a case.
+        speeds: range of speeds [rad/s]; by default about the speed at which a multiple of the lobes
+            meets the lowest frequency: the default of a case, unless the tips are too fast.
         case: path of the case file, for the commands in the comments.
     """
-    clearance = CLEARANCE * float(part.contact_radius.max())
-    speed = SPEED * reference if speeds is None else float(sum(speeds)) / 2.0
+    radius = float(part.contact_radius.max())
+    clearance = CLEARANCE * radius
+    order = round(1.0 / SPEED)
+    while reference * radius / order > FASTEST:
+        order += LOBES
+    speed = reference / order if speeds is None else float(sum(speeds)) / 2.0
     ends = np.outer(speed, RANGE)[0] if speeds is None else speeds
     low, high = (float(f"{end * 30.0 / pi:.{2 if speeds is None else 6}g}") for end in ends)
-    turn = 2.0 * pi / speed
-    profile = f'{{ lobes = 2, amplitude = "{handy(OVAL * clearance, "m", 3)}" }}'
+    turn, orders = 2.0 * pi / speed, ",".join(map(str, range(LOBES, order + 1, LOBES)))
+    profile = f'{{ lobes = {LOBES}, amplitude = "{handy(OVAL * clearance, "m", 3)}" }}'
     amount, time = handy(CLOSING * clearance, "m", 3), handy(turn, "s", 2)
     if speeds is None:
         lowest = f"{reference / 2.0 / pi:.5g} Hz, the lowest frequency at rest"
-        reason = f"order {1.0 / SPEED:g} meets {lowest}"
+        reason = f"order {order} meets {lowest}"
     else:
         reason = "the middle of the given range"
     span = ":".join(f"{one:.10g} rpm" for one in (low, high, (high - low) / INTERVALS))
@@ -82,7 +91,7 @@ def part_template(
     made = f"# The file was made by: {part.command}\n" if part.command else ""
     return f"""\
 # bladewhirl modes {case}
-# bladewhirl campbell {case} --speeds "0 rpm:{high:.10g} rpm" --orders 2,4
+# bladewhirl campbell {case} --speeds "0 rpm:{high:.10g} rpm" --orders {orders}
 # bladewhirl run {case}
 # bladewhirl sweep {case} --over "march.speed={span}"
 {made}title = {toml_value(part.name)}
@@ -91,13 +100,16 @@ def part_template(
 {file_line}
 copies = {copies}  # {of}
 
+[material]
+# yield_strength = "900 MPa"  # the summary marks stresses above it
+
 [reduction]
 free_interface_modes = {modes_of(part)}  # {owner}
 
 [casing]
 type = "rigid"  # "ring" is a flexible casing, with keys of its own
 clearance = "{handy(clearance, "m", 3)}"  # {CLEARANCE:g} of the radius of the contact nodes
-# The wall is oval and closes in: lobes and closure together exceed the clearance.
+# The wall is oval and closes in: lobes and closure together exceed the clearance, by little.
 profile = {{ harmonics = [{profile}] }}
 closure = {{ amount = "{amount}", time_constant = "{time}" }}
 

@@ -42,7 +42,8 @@ UNKNOWN = "?"  #: placeholder of a value, which `mesh3d` refuses
 class Proposal(NamedTuple):
     """Arguments of `mesh3d` that a mesh suggests."""
 
-    options: dict[str, str]  #: value of each argument as text; `PLACEHOLDER` if it is unknown
+    options: dict[str, str | bool]
+    """Value of each argument, as text unless it is a switch; `UNKNOWN` if it is not known."""
     notes: tuple[str, ...]  #: where the values come from, and what is not known
 
 
@@ -57,7 +58,7 @@ def proposed(mesh: VolumeMesh) -> Proposal:
     placed = replace(mesh, points=mesh.points[:, AXES.get(axis, AXES["z"])])
     unit, mass_unit = _units(mesh, notes)
     surfaces = _surfaces(mesh)
-    options = dict[str, str]()
+    options = dict[str, str | bool]()
     for key in SYMBOLS:
         if bare := np.count_nonzero(np.isnan(of_file(mesh, key)[0])):
             options[key] = UNKNOWN
@@ -81,6 +82,10 @@ def proposed(mesh: VolumeMesh) -> Proposal:
     if any(section.properties for section in mesh.sections) and (unit, mass_unit) != UNITS[0]:
         options["mass_unit"] = mass_unit
     options |= {} if axis == "z" else {"axis": axis}
+    options["coriolis"] = True
+    notes.append(
+        "coriolis: a speed that varies needs Coriolis forces; without them studies take less time"
+    )
     if mesh.ignored:
         notes.append(f"not read: {', '.join(mesh.ignored)}")
     return Proposal(options, tuple(notes))

@@ -1,20 +1,11 @@
-"""Summary of a run as rows of text; hint about large displacements."""
+"""Summary of a run as rows of text."""
 
 import numpy as np
-import xarray as xr
 
-from bladewhirl.models.case.analysis import Contact
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.regimes import regime_title
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.energy.works import Works
-from bladewhirl.postprocess.fields.by_blade import (
-    LARGE_DISPLACEMENT,
-    WRONG_BY_A_TENTH,
-    blade_length,
-)
-from bladewhirl.postprocess.fields.drawback import largest_drawback
-from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
 from bladewhirl.postprocess.run.extremes import StressPeak, StressSplit, WallPeak
 from bladewhirl.postprocess.run.summary import (
     CriticalCrossing,
@@ -286,37 +277,3 @@ def _contact(summary: Summary) -> dict[str, str]:
     if summary.impulse_per_revolution:
         rows["impulse per revolution, at the end"] = _text(summary.impulse_per_revolution, "N s")
     return rows | {"deepest penetration": _text(summary.gap_violation_max, "m")}
-
-
-def displacement_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
-    """Return a hint if the displacement of a tip exceeds the limit of a linear model, which is
-    `LARGE_DISPLACEMENT` times the length of a blade. The hint says by how much tips of beams drew
-    back."""
-    moved, length = summary.tip_displacement_max, blade_length(result)
-    if moved <= LARGE_DISPLACEMENT * length:
-        return ()
-    hint = f"tips moved up to {moved:.3g} m, {moved / length:.2g} of the length of a blade; "
-    if moved > WRONG_BY_A_TENTH * length:
-        hint += "the linear model is off by a tenth or more: the regime is valid, the displacements"
-        hint += " are not"
-    else:
-        hint += "the linear model neglects that bent blades draw back, and is off by a tenth from a"
-        hint += " third of the length on"
-    return (f"{hint}{_drawn_back(result)}",)
-
-
-def _drawn_back(result: xr.Dataset) -> str:
-    """Return the end of the hint: the distance by which tips drew back."""
-    if "rotor_line" not in result:
-        return ""
-    try:
-        drawn = _text(largest_drawback(result), "m")
-    except ViewError:  # tips that end no beam
-        return ""
-    contact = table_of_result(result, "contact", Contact)
-    if contact.foreshortening:
-        return f"; bent blades drew back from the wall by up to {drawn}"
-    return (
-        f"; bent blades would draw back from the wall by up to {drawn}, which"
-        " contact.foreshortening = true takes into account"
-    )

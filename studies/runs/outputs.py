@@ -107,8 +107,8 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.run.hints import run_hints
     from bladewhirl.postprocess.run.summary import summarise
-    from bladewhirl.postprocess.run.summary_table import displacement_hints
     from bladewhirl.postprocess.run.wear import write_profile
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
     from bladewhirl.postprocess.shaft_line.motion import line_orbits, plot_line_orbits
@@ -126,7 +126,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
             drawn[folder.ORBIT_NAME] = plot_line_orbits(orbits), orbits
         drawn |= _contact_figures(result)
         summary = summarise(result, report, orbit=orbit, energies=energies)
-        hints = [*displacement_hints(summary, result), *write_sensors(result, directory)]
+        hints = [*run_hints(summary, result), *write_sensors(result, directory)]
         if "coating_strain" in result:
             write_profile(result, directory / folder.WEAR_NAME)
         write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())

@@ -5,17 +5,19 @@ from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
 import pytest
 from command_line import answer, refusal
 from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever, wheel_frequencies
 
 import bladewhirl as bw
-from bladewhirl.models.case.part_template import modes_of
+from bladewhirl.models.case.part_template import FASTEST, LOBES, modes_of
 from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.critical_step import critical_time_step
 from bladewhirl.models.superelements.superelement import Superelement
+from bladewhirl.postprocess.run.hints import ELASTIC
 from bladewhirl.studies.runs.properties import stage_properties
 
 
@@ -50,6 +52,9 @@ def test_a_case_for_a_part_runs_as_it_is(
     short = {"march.revolutions": 3, "march.steps_per_revolution": 1024}
     run = bw.run(bw.with_values(case, short), "run", frames=0)
     assert max(run.summary.contact_share) > 0.0
+    assert run.summary.stress_max is not None
+    steel = 2.1e11
+    assert 0.0 < run.summary.stress_max["bladed_disk"]["stress"] < ELASTIC * steel
     for command in text.splitlines()[:2]:
         assert command.startswith("# bladewhirl ")
 
@@ -116,10 +121,18 @@ def test_beams_keep_the_defaults_of_the_paper() -> None:
     assert (case.march.speed.given, case.march.steps, case.casing.clearance) == (1.05, 3e6, 1e-3)
 
 
-def test_the_lowest_frequency_sets_the_speed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("scale", [1.0, 4.0])
+def test_the_lowest_frequency_sets_the_speed_unless_tips_are_too_fast(
+    tmp_path: Path, scale: float
+) -> None:
     part = parts("sector")
-    bw.write_superelement(tmp_path / "part.npz", part)
+    stiffer = replace(part, stiffness=scale * part.stiffness)
+    bw.write_superelement(tmp_path / "part.npz", stiffer)
     answer("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz")
-    lowest = wheel_frequencies(part, SECTORS, 1, range(6)).min()
-    speed = bw.read_case(tmp_path / "part.toml").march.speed
-    assert speed.value == pytest.approx(2.0 * 3.14159265 * SPEED * lowest, rel=5e-4)
+    lowest = 2.0 * np.pi * wheel_frequencies(stiffer, SECTORS, 1, range(6)).min()
+    speed = bw.read_case(tmp_path / "part.toml").march.speed.value
+    order = lowest / speed
+    assert order == pytest.approx({1.0: 6, 4.0: 12}[scale], rel=5e-4)
+    radius = part.contact_radius.max()
+    assert speed * radius < FASTEST < lowest / (order - LOBES) * radius
+    assert f"--orders 2,4,6{',8,10,12' * (scale > 1.0)}\n" in (tmp_path / "part.toml").read_text()

@@ -127,7 +127,7 @@ def test_solids_are_listed_with_the_next_call(tmp_path: Path) -> None:
         "root nodes 6",
         "inner elements 4",
         "outer foam 1e+09 0.3 200",
-        "--clamped root --contact tip --axis '?' -o blade.npz",
+        "--clamped root --contact tip --axis '?' --coriolis -o blade.npz",
     ):
         assert part in printed
     expected = "expected a mesh of lines to write; .* has solids"
