@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -95,11 +96,8 @@ def work_histories(dataset: xr.Dataset) -> xr.Dataset:
     if "closing_work" in dataset and not dataset["closing_work"].isnull().any():
         terms["closing"] = dataset["closing_work"]
         terms["passing"] = terms.pop("normal") - dataset["closing_work"]
-    described = {
-        name: (term.dims, term.values, {"units": "J", "long_name": LEDGER.get(name, (name,))[0]})
-        for name, term in terms.items()
-    }
-    return xr.Dataset(described, coords={"time": dataset["time"]}, attrs=dataset.attrs)
+    described = {name: ("time", term.values, "J") for name, term in terms.items()}
+    return labelled(dataset, "works since the start", described, {"time": dataset["time"].values})
 
 
 @styled

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, contact_vectors
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, contact_vectors, tip_rows
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.result import portions
 
@@ -66,6 +66,22 @@ def blade_radii(dataset: xr.Dataset) -> Array:
     if "tip_growth" in dataset:
         return np.asarray(dataset.attrs["tip_radius"] - dataset["tip_recess"].values)
     return blade_means(dataset, dataset["contact_radius"].values)
+
+
+def diameter_shares(dataset: xr.Dataset) -> Array:
+    """Return the share of each nodal diameter in the motion of the tips in each rotor mode,
+    (rotor_mode, nodal_diameter); an engine order r excites the diameter of `aliased`."""
+    blades = blade_count(dataset)
+    rows = np.moveaxis(tip_rows(dataset), 1, 0).reshape(blades, -1, dataset.sizes["rotor_mode"])
+    power = np.sum(np.abs(np.fft.fft(rows, axis=0)) ** 2, axis=1).T
+    waves, total = np.zeros((len(power), blades // 2 + 1)), power.sum(axis=1, keepdims=True)
+    np.add.at(waves.T, aliased(np.arange(blades), blades), power.T)
+    return np.asarray(np.divide(waves, total, out=np.zeros_like(waves), where=total > 0.0))
+
+
+def aliased(order: IntArray, blades: int) -> IntArray:
+    """Return the nodal diameter that each engine order excites on a number of equal blades."""
+    return np.asarray(np.minimum(order % blades, -order % blades))
 
 
 def contact_motion(dataset: xr.Dataset, direction: int) -> Array:

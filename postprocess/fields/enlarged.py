@@ -37,6 +37,8 @@ from bladewhirl.postprocess.fields.points import contact_nodes, points_of
 DRAWN_CLEARANCE = 0.1
 #: largest drawn displacement divided by the tip radius, if the factor is chosen automatically
 DRAWN_MOTION = 0.25
+#: drawn thickness of a coating divided by the tip radius, likewise
+DRAWN_COATING = 0.3
 #: drawn thickness of a rigid wall divided by the tip radius
 RIGID = 0.02
 
@@ -91,11 +93,13 @@ class EnlargedWall:
         coating = kinematics.table_of_result(dataset, "casing", Casing).coating
         if "coating_strain" not in dataset:
             coating = None
-        self.coating = coating.thickness if coating else 0.0  #: thickness of the coating [m]
+        #: depth of the coating at which tips touch the metal [m]
+        self.coating = coating.limit * coating.thickness if coating else 0.0
         #: removed depth of the coating (record, track, station) [m]; without it there is no track
         self.wear = np.zeros((len(records), 0, len(self.angle)))
         if coating is not None:
-            self.wear = self.coating * kinematics.track_strains(dataset, records, self.angle)
+            strains = kinematics.track_strains(dataset, records, self.angle)
+            self.wear = coating.thickness * strains
 
     def _enlarge(self, size: float, radius: float, rotor_displacement: float) -> None:
         """Choose the factor for a stage or blade of a size [m] from the largest displacement of the
@@ -108,6 +112,7 @@ class EnlargedWall:
             size,
             (DRAWN_CLEARANCE, float(clearance.max() + recess)),
             (DRAWN_MOTION, self.largest_displacement),
+            (DRAWN_COATING, self.coating),
         )
         self.inner_radius = radius + self.factor * clearance
 

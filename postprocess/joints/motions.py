@@ -1,54 +1,69 @@
-"""Figure of periodic motions with joints: hysteresis loops, states over angle, amplitudes."""
+"""Figure of periodic motions with joints: hysteresis loops, states over the period, amplitudes."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.plotting.axes import blade_axis, draw_map
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    side_by_side,
+    styled,
+)
 from bladewhirl.postprocess.plotting.titles import set_title
 
 SHOWN = 5  #: largest number of speeds whose loops are drawn
-STATES = ("open", "stuck", "slipping")
+STATES = {"open": "white", "stuck": COLOURS["rest"], "slipping": COLOURS["k = 1"]}
+"""Colours of the states, in the order of their numbers."""
 
 
 @styled
 def plot_joints(data: xr.Dataset) -> Figure:
     """Draw the tangential force over the tangential displacement at the first joint node, the
-    states of this node on all blades over the angle at one speed, and the amplitudes of points
+    states of this node on all blades over a period at one speed, and the amplitudes of points
     over speed, from `bladewhirl.periodic`."""
-    figure = new_figure(width=FULL_WIDTH, height=0.06)
-    loops, states, curve = figure.subplots(1, 3)
+    figure = new_figure(width=FULL_WIDTH, height=0.07)
+    loops, states, curve = side_by_side(figure, 3)
     order = np.argsort(data["rpm"].values, kind="stable")
     chosen = np.unique(np.linspace(0, len(order) - 1, SHOWN).round().astype(int))
-    for n in order[chosen].tolist():
-        one = data.isel(speed=n, joint_node=0)
-        moved = one["relative_displacement"].values[:, 1:]
-        main = int(np.ptp(moved, axis=0).argmax())
-        around = [*range(len(moved)), 0]
-        force = one["tangential_force"].values[around, main]
-        loops.plot(1e6 * moved[around, main], force, label=f"{float(one['rpm']):.6g} rpm")
-    loops.set(xlabel="tangential displacement [µm]", ylabel="tangential force [N]")
-    loops.legend(loc="best")
-    largest = int(data["share_slipping"].max("joint").values.argmax())
-    one = data.isel(speed=largest, joint_node=0)
-    own = one["state"].values
-    ahead = data.attrs["engine_order"] * len(own) / data.attrs["blades"]
-    rows = [np.roll(own, -round(ahead * blade)) for blade in range(data.attrs["blades"])]
-    colours = ListedColormap(["white", "0.75", "tab:red"])
-    extent = (0.0, 1.0, data.attrs["blades"] - 0.5, -0.5)
-    states.imshow(rows, aspect="auto", cmap=colours, vmin=0, vmax=2, extent=extent)
-    states.set(
-        xlabel="share of the period",
-        ylabel="joint after blade",
-        title=f"{float(one['rpm']):.6g} rpm: {', '.join(STATES)} (white, grey, red)",
+    first = data.isel(joint_node=0)
+    moved, force = first["relative_displacement"].values[..., 1:], first["tangential_force"].values
+    around = [*range(data.sizes["instant"]), 0]
+    unit, scale = handy_unit(float(np.abs(moved[order[chosen]]).max()), "m")
+    shades = COLOUR_MAPS["line"](np.linspace(0.0, 1.0, len(chosen)))
+    for n, shade in zip(order[chosen].tolist(), shades, strict=True):
+        main = int(np.ptp(moved[n], axis=0).argmax())
+        place, label = scale * moved[n, around, main], f"{float(data['rpm'][n]):.6g} rpm"
+        loops.plot(place, force[n, around, main], color=shade, label=label)
+    loops.set(xlabel=f"tangential displacement [{unit}]", ylabel="tangential force [N]")
+    loops.set_title(f"joint {first['name'].item()}")
+    blades, largest = (
+        int(data.attrs["blades"]),
+        int(data["share_slipping"].max("joint").values.argmax()),
     )
-    size = np.linalg.norm(data["point_amplitude"].values, axis=-1)
-    for place, number in enumerate(data["point"].values.tolist()):
-        values = 1e3 * size[order, place]
-        curve.plot(data["rpm"].values[order], values, ".-", label=f"point {number}")
-    curve.set(xlabel="speed [rpm]", ylabel="amplitude [mm]")
-    if data.sizes["point"]:
-        curve.legend(loc="best")
-    set_title(figure, data.attrs["case"], "periodic motions with joints")
+    own = first["state"].values[largest]
+    ahead = data.attrs["engine_order"] * len(own) / blades
+    rows = [np.roll(own, -round(ahead * blade)) for blade in range(blades)]
+    colours, edges = ListedColormap([*STATES.values()]), np.linspace(0.0, 1.0, len(own) + 1)
+    draw_map(states, edges, np.arange(blades), rows, cmap=colours, vmin=0, vmax=len(STATES) - 1)
+    blade_axis(states, blades, of_y=True)
+    states.set(xlabel="share of the period", ylabel="joint after blade")
+    states.set_title(f"states at {float(data['rpm'][largest]):.6g} rpm")
+    size = np.linalg.norm(data["point_amplitude"].values, axis=-1)[order]
+    unit, scale = handy_unit(float(size.max(initial=0.0)), "m")
+    for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
+        curve.plot(data["rpm"].values[order], scale * values, ".-", label=f"point {number}")
+    curve.set(xlabel="speed [rpm]", ylabel=f"amplitude [{unit}]", ylim=(0.0, None))
+    curve.locator_params(axis="x", nbins=5)
+    set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
+    patches = [(Patch(fc=colour, ec="black"), name) for name, colour in STATES.items()]
+    groups = [Group(each) for each in (entries_of(loops), patches, entries_of(curve))]
+    legends_below(figure, *groups)
     return figure

@@ -33,6 +33,7 @@ CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, 
 #: mark of a resonance in a rub
 BAND: dict[str, Any] = {"linewidth": 4.0, "alpha": 0.35, "solid_capstyle": "round", "zorder": 1}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
+MOST_ORDERS = 10  #: highest engine order of a single blade, which all orders excite
 ENDS = 0.9  #: engine orders are labelled beyond this fraction of the width or height of the axes
 HEADROOM = 1.18  #: highest frequency shown divided by the highest coincidence or mode drawn
 
@@ -144,6 +145,11 @@ def in_diagram(data: xr.Dataset) -> BoolArray:
     return np.asarray((first <= speed) & (speed <= last), dtype=np.bool_)
 
 
+def frames_of(data: xr.Dataset) -> tuple[Frame, ...]:
+    """Return the frames in which there is a diagram: a single blade has no travelling waves."""
+    return ("rotating",) if data.attrs["blades"] == 1 else ("rotating", "static")
+
+
 @styled
 def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     """Draw a Campbell diagram from `campbell`: frequencies of waves on bladed disk and casing
@@ -225,7 +231,7 @@ NamedLine = tuple[FloatArray, FloatArray, str, str]
 
 def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
     """Draw the waves of bladed disk and casing; yield the lines that are to be named."""
-    turning = "branch" in data.dims
+    turning, alone = "branch" in data.dims, data.attrs["blades"] == 1
     low, high = axes.get_ylim()
     for wave in sorted(waves(data, FINE), key=lambda wave: wave.body != "casing"):
         on_casing, first = wave.body == "casing", wave.nodal_diameter == 1
@@ -238,7 +244,9 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
         elif not on_casing and frame == "static" and not (turning and first):
             y = np.where(signed < 0.0, y, np.nan)
         colour = wave_colour(wave.body, wave.family, wave.nodal_diameter)
-        if wave.family == "suspension" and not on_casing:
+        if alone:
+            colour, label = COLOURS["k = 0"], "blade"
+        elif wave.family == "suspension" and not on_casing:
             label = "suspension"
         else:
             label = f"{wave.body.replace('-', ' ')}, {'k = 1' if first else 'other k'}"
@@ -258,7 +266,7 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
                 yield wave.speed, y_growing, "met: unstable", "black"
         if on_casing:
             yield wave.speed, y, f"k = {wave.nodal_diameter}", COLOURS["k = 0"]
-        elif first:
+        elif first or alone:
             way = f", {wave.direction}" if turning else ""
             yield wave.speed, y, f"{wave.family}{way}", colour
     if turning:
@@ -266,11 +274,12 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw the lines of engine orders: of those that excite a mode most, and of resonances; in the
+    """Draw the lines of engine orders: of those that excite a mode most, of the lowest orders on a
+    single blade, and of resonances; in the
     static frame only order 1. Yield end points, name and colour of each line."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
-    orders = k[k > 0]
+    orders = np.arange(1, MOST_ORDERS + 1) if data.attrs["blades"] == 1 else k[k > 0]
     if "resonance" in data.dims:
         orders = np.concatenate([orders, data["resonance_order"].values])
     for order in np.unique(orders).tolist() if frame == "rotating" else [1]:

@@ -12,12 +12,17 @@ from matplotlib.patheffects import withStroke
 from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.energy.regimes import classify, regime_title
-from bladewhirl.postprocess.fields.by_blade import blade_angles, of_blades
+from bladewhirl.postprocess.fields.by_blade import (
+    aliased,
+    blade_angles,
+    diameter_shares,
+    of_blades,
+)
 from bladewhirl.postprocess.fields.kinematics import table_of_result
 from bladewhirl.postprocess.fields.windows import span_starts
 from bladewhirl.postprocess.pictures.flat import draw_flat, flat_stage
 from bladewhirl.postprocess.plotting.style import COLOURS, INCH, styled, time_axis
-from bladewhirl.postprocess.plotting.titles import speed_label
+from bladewhirl.postprocess.plotting.titles import about_run
 from bladewhirl.postprocess.run.extremes import largest_force, mean_forces
 from bladewhirl.postprocess.run.haigh import draw_haigh, haigh, number_blades
 from bladewhirl.postprocess.run.histories import contact_force
@@ -32,6 +37,7 @@ FAMILY = 0.05  #: modes whose frequencies differ by less, relatively, are drawn 
 ORDERS = 8  #: the Campbell diagram reaches at least this engine order
 ABOVE = 1.35  #: and this multiple of the lowest frequency
 MOST_ORDERS = 24  #: largest number of lines of engine orders
+EXCITED = 0.1  #: an engine order excites modes in which its nodal diameter has a larger share
 NEAR = 0.1  #: an engine order is near a frequency if they differ by less, relatively
 
 
@@ -49,7 +55,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
         `unrolled.whole_run`; over blade `largest_force` [N], the normal force on the blade in the
         mean over `extremes.FORCE_TIME`, and `blade_angle` [rad]; `force_history` (time,) [N], the
         largest normal force on a blade between two records; `mode_frequency` (mode,) [Hz],
-        rotating axes.
+        rotating axes, and `diameter_share` (mode, nodal_diameter) [1] of `diameter_shares`.
     """
     peak, force = largest_force(result), mean_forces(result).values
     between = contact_force(result)["normal"].max("blade")
@@ -59,7 +65,9 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
     seen = whole_run(unrolled(result))
     names = ["rotor_backward_frequency", "rotor_forward_frequency"]
     names = names if names[0] in result else ["rotor_frequency"]
-    frequency = np.sort(np.abs(np.concatenate([result[name].values for name in names])))
+    frequency = np.abs(np.concatenate([result[name].values for name in names]))
+    ascending = np.argsort(frequency, kind="stable")
+    shares = np.tile(diameter_shares(result), (len(names), 1))
     regime = classify(result, energies["total"].values)
     return (
         xr.merge([stage, split, seen], combine_attrs="drop")
@@ -67,7 +75,8 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             largest_force=("blade", of_blades(result, force).max(axis=0), {"units": "N"}),
             blade_angle=("blade", blade_angles(result) % (2 * np.pi), {"units": "rad"}),
             force_history=("time", between.values[1:], {"units": "N"}),
-            mode_frequency=("mode", frequency / (2 * np.pi), {"units": "Hz"}),
+            mode_frequency=("mode", frequency[ascending] / (2 * np.pi), {"units": "Hz"}),
+            diameter_share=(("mode", "nodal_diameter"), shares[ascending], {"units": "1"}),
         )
         .assign_coords(time=result["time"].values[1:])
         .assign_attrs(
@@ -103,7 +112,7 @@ def plot_card(data: xr.Dataset) -> Figure:
     _draw_casing(figure.add_subplot(grid[1, 1]), data)
     _draw_campbell(figure.add_subplot(grid[1, 2]), data)
     lines = [
-        f"{data.attrs['case_title']}, {speed_label(data)}",
+        ", ".join(map(str, (data.attrs["case_title"], *about_run(data)))),
         *textwrap.wrap(verdict(data), LINE),
     ]
     figure.suptitle("\n".join(lines), parse_math=False, x=0.02, ha="left", fontsize=10)
@@ -141,16 +150,20 @@ def verdict(data: xr.Dataset) -> str:
 
 
 def nearest_order(data: xr.Dataset) -> tuple[int, float, float] | None:
-    """Return the engine order of the Campbell diagram that is nearest to a natural frequency, this
-    frequency [Hz], and their relative difference; None at standstill."""
+    """Return the engine order of the Campbell diagram that is nearest to the natural frequency of a
+    mode with its nodal diameter, this frequency [Hz], and their relative difference; None at
+    standstill, or if no order excites a mode."""
     turns, top = _reach(data)
     frequency = data["mode_frequency"].values
-    frequency = frequency[(frequency > 0.0) & (frequency <= top)]
-    if not turns or not len(frequency):
+    shown = (frequency > 0.0) & (frequency <= top)
+    if not turns or not shown.any():
         return None
-    orders = np.arange(1, max(2, int(top / turns) + 1))
-    apart = np.abs(orders[:, None] * turns / frequency - 1.0)
+    frequency, orders = frequency[shown], np.arange(1, max(2, int(top / turns) + 1))
+    excited = data["diameter_share"].values[shown][:, aliased(orders, data.sizes["blade"])].T
+    apart = np.where(excited > EXCITED, np.abs(orders[:, None] * turns / frequency - 1.0), np.inf)
     order, mode = np.unravel_index(apart.argmin(), apart.shape)
+    if np.isinf(apart[order, mode]):
+        return None
     return int(orders[order]), float(frequency[mode]), float(apart[order, mode])
 
 
@@ -171,7 +184,7 @@ def _draw_history(axes: Axes, data: xr.Dataset) -> None:
     axes.axvline(data.attrs["shown_time"], color=COLOURS["k = 1"], linewidth=0.9)
     axes.set(xlim=time[[0, -1]], ylim=(0, 1.05 * scale * force.max() or 1.0))
     axes.set_ylabel(f"force [{unit}]")
-    axes.set_title("largest force on a blade between two records, and the instant drawn above")
+    axes.set_title("largest force on a blade; orange: the instant drawn above")
     time_axis(axes)
 
 
@@ -203,11 +216,16 @@ def _draw_clock(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _draw_casing(axes: Axes, data: xr.Dataset) -> None:
-    """Draw the wear around the casing or, without a coating, the smallest gap."""
-    name, words = ("wear", "largest removed depth") if "wear" in data else ("gap", "smallest gap")
-    values = data[name].max("axial") if name == "wear" else data[name].min("axial")
+    """Draw the wear around the casing; without a coating the largest force or, if no blade touches,
+    the smallest gap."""
+    name, words = "gap", "smallest gap"
+    if "wear" in data:
+        name, words = "wear", "largest removed depth"
+    elif data["force"].any():
+        name, words = "force", "largest force on a contact node"
+    values = data[name].min("axial") if name == "gap" else data[name].max("axial")
     edges = np.degrees(data["rod_edge" if name == "wear" else "sector_edge"].values)
-    unit, scale = handy_unit(float(values.max()), "m")
+    unit, scale = handy_unit(float(values.max()), "N" if name == "force" else "m")
     axes.stairs(scale * values.values, edges, color=COLOURS["total"], baseline=None)
     axes.set(xlim=(0, 360), xticks=np.arange(0, 361, 90), ylim=(0, None))
     axes.set(xlabel="angle on the casing [°]", ylabel=f"{words} [{unit}]")

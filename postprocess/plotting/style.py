@@ -133,14 +133,28 @@ def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
     return figure
 
 
-def side_by_side(figure: Figure, count: int, **options: Any) -> list[Axes]:
-    """Return panels side by side, or one above another in a figure narrower than `NARROW`, which
-    becomes higher; `options` are those of `Figure.subplots`."""
-    narrow = figure.get_figwidth() * INCH < NARROW
-    if narrow:
+def is_narrow(figure: Figure) -> bool:
+    """Return whether a figure is so narrow that its panels are one above another."""
+    return bool(figure.get_figwidth() * INCH < NARROW)
+
+
+def rows_of_panels(
+    figure: Figure, rows: int, widths: Sequence[float], **options: Any
+) -> list[list[Axes]]:
+    """Return rows of panels with relative widths, (row, column), or all panels one above another in
+    a narrow figure, which becomes higher; `options` are those of `Figure.subplots`."""
+    count = len(widths)
+    if is_narrow(figure):
         figure.set_figheight(count * figure.get_figheight())
-    shape = (count, 1) if narrow else (1, count)
-    return [*figure.subplots(*shape, squeeze=False, **options).flat]
+        panels = figure.subplots(rows * count, 1, squeeze=False, **options)
+    else:
+        panels = figure.subplots(rows, count, squeeze=False, width_ratios=widths, **options)
+    return [[*row] for row in panels.reshape(rows, count)]
+
+
+def side_by_side(figure: Figure, count: int, **options: Any) -> list[Axes]:
+    """Return panels in a row, see `rows_of_panels`."""
+    return rows_of_panels(figure, 1, [1.0] * count, **options)[0]
 
 
 def time_axis(*panels: Axes) -> None:

@@ -8,7 +8,7 @@ from matplotlib import rcParams
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import LogFormatter, NullFormatter
+from matplotlib.ticker import LogFormatter, LogLocator, NullFormatter
 
 from bladewhirl.postprocess.fields.labelled import LOSS, SPEED_RANGE
 from bladewhirl.postprocess.plotting.style import styled
@@ -16,6 +16,9 @@ from bladewhirl.postprocess.plotting.style import styled
 MOST_LETTERS = 40  #: largest number of characters of a title per inch of the figure's width
 WIDEST = 0.97
 """Largest width of a line of a title, divided by the figure's width."""
+
+SMALLEST = 1e-300  #: keeps logarithms finite
+BETWEEN = (2.0, 5.0)  #: ticks between powers of ten on an axis with fewer than two of these
 
 LINE = 0.13  #: height of a line of a title [inch]
 
@@ -30,6 +33,11 @@ def speed_label(dataset: xr.Dataset) -> str:
     return f"Ω/ω₁ = {normalised} ({rpm} rpm)"
 
 
+def about_run(data: xr.Dataset) -> list[str]:
+    """Return the speed, see `speed_label`, and the loss of a blade if there is one."""
+    return [speed_label(data), *([str(data.attrs[LOSS])] if LOSS in data.attrs else [])]
+
+
 def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
     """Set the title of a figure: the name of the case, and a line with the speed.
 
@@ -38,9 +46,7 @@ def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
         data: dataset with the attributes of `fields.labelled`.
         words: texts that follow the speed.
     """
-    lost = [data.attrs[LOSS]] if LOSS in data.attrs else []
-    shown = ", ".join([speed_label(data), *lost, *words])
-    set_title(figure, str(data.attrs.get("case_title", "")), shown)
+    set_title(figure, str(data.attrs.get("case_title", "")), ", ".join([*about_run(data), *words]))
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:
@@ -64,15 +70,29 @@ def retitle(figure: Figure, title: str) -> None:
     figure.set_figheight(figure.get_figheight() + LINE * (len(lines) - len(given)))
 
 
+class PlainLog(LogFormatter):
+    """Numbers of logarithmic axes as 0.01 and 1e-05, because raised exponents are too small."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the text of a tick; an empty one for ticks without a number."""
+        return f"{x:.4g}" if super().__call__(x, pos) else ""
+
+
 def plain_exponents(figure: Figure) -> None:
-    """Write powers of ten of logarithmic axes as 1e-05, because raised exponents are too small."""
+    """Give logarithmic axes the numbers of `PlainLog`; also between powers of ten if the axis has
+    fewer than two of these."""
     for axes in [each for panel in figure.axes for each in (panel, *panel.child_axes)]:
         for axis in (axes.xaxis, axes.yaxis):
             old = axis.get_major_formatter()
             if isinstance(old, LogFormatter):
-                new = LogFormatter(linthresh=old._linthresh)  # type: ignore[attr-defined]
-                axis.set_major_formatter(new)
-                axis.set_minor_formatter(NullFormatter())
+                thresholds = old._linthresh  # type: ignore[attr-defined]
+                axis.set_major_formatter(PlainLog(linthresh=thresholds))
+                low, high = np.log10(np.maximum(axis.get_view_interval(), SMALLEST))
+                few = np.floor(high) - np.ceil(low) < 1.0 and axis.get_scale() == "log"
+                if few:
+                    axis.set_minor_locator(LogLocator(subs=BETWEEN))
+                between = PlainLog(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf))
+                axis.set_minor_formatter(between if few else NullFormatter())
 
 
 def _broken(line: str, figure: Figure) -> list[str]:

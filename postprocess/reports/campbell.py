@@ -48,7 +48,7 @@ def campbell_page(data: xr.Dataset) -> Page:
             PageSection(
                 name="diagrams",
                 title="Campbell diagrams",
-                blocks=[_diagram(data, "rotating"), _diagram(data, "static")],
+                blocks=[_diagram(data, frame) for frame in campbell.frames_of(data)],
             ),
             PageSection(name="coincidences", title="Coincidences", blocks=[_table(data, inside)]),
         ],

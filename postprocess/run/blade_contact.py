@@ -93,6 +93,7 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
             "share": (plane, _share(total("contact_steps", np.maximum), length, dataset), "1"),
         },
         {"time": edges[1:], "edge": edges, "blade": np.arange(gap.shape[1])},
+        to=" to metal" if "coating_strain" in result else "",
     )
 
 
@@ -150,15 +151,17 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     figure, axes = _map_axes()
     unit, scale = handy_unit(float(maps["gap"].max(skipna=True)), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
+    label = f"smallest gap{maps.attrs['to']} [{unit}]"
     if len(gap) == 1:
-        return _draw_alone(figure, axes, maps, gap[0], f"smallest gap [{unit}]")
+        return _draw_alone(figure, axes, maps, gap[0], label)
+    axes.patch.set(hatch="////", edgecolor=COLOURS["rest"])  # lost blades
     picture = draw_map(axes, maps["edge"], maps["blade"], gap, vmin=0.0, cmap=COLOUR_MAPS["gap"])
     if maps["share"].any():
         limit = share_limit(maps["share"])
         touching = draw_share(axes, maps["edge"], maps["blade"], maps["share"], limit)
-        label = share_label("time in contact [%]", limit)
-        figure.colorbar(touching, ax=axes, label=label, pad=0.02)
-    figure.colorbar(picture, ax=axes, label=f"smallest gap [{unit}]", pad=0.02)
+        words = share_label("time in contact [%]", limit)
+        figure.colorbar(touching, ax=axes, label=words, pad=0.02)
+    figure.colorbar(picture, ax=axes, label=label, pad=0.02)
     time_axis(axes)
     head(figure, maps)
     return figure
@@ -182,7 +185,7 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     picture = draw_decades(
         axes, maps["edge"], maps["blade"], positive, levels, cmap=COLOUR_MAPS["contact"]
     )
-    figure.colorbar(picture, ax=axes, label=f"normal force [{unit}], white: none", extend="min")
+    figure.colorbar(picture, ax=axes, label=f"normal force [{unit}]", extend="min")
     axes.set_xlim(*contact_span(maps["edge"].values, np.any(force > 0.0, axis=1)))
     time_axis(axes)
     axes.set_xlabel(f"{axes.get_xlabel()}, means over {length}")

@@ -21,12 +21,11 @@ from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
     INCH,
-    NARROW,
+    is_narrow,
     new_figure,
     styled,
 )
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.run.wear import coating_of
 
 FEWEST = 12  #: smallest number of records on each side of the largest force
 BESIDE = 0.5  #: time shown on each side of the contact, divided by the time in contact
@@ -87,8 +86,7 @@ def close_up(result: xr.Dataset) -> xr.Dataset:
     tip = float(result.attrs["tip_radius"])
     values = {"radius": radius - tip, "wall": facing(0.0) - tip}
     if stage.coating:
-        coating = coating_of(result)
-        values["wall"] = facing(coating.limit * coating.thickness) - tip
+        values["wall"] = facing(stage.coating) - tip
         tracks = axial_tracks(result["axial_position"].values, result["contact_radius"].values)[1]
         values["coating"] = facing(stage.wear[:, tracks[node]]) - tip
     length = np.diff(result["time"].values)[shown - 1]
@@ -124,7 +122,7 @@ def plot_close_up(data: xr.Dataset) -> Figure:
     """Draw the path of a tip against the wall, its gap and its forces by angle, and its motion once
     a revolution, from `close_up`."""
     figure = new_figure(width=FULL_WIDTH, height=0.12)
-    if figure.get_figwidth() * INCH < NARROW:
+    if is_narrow(figure):
         figure.set_figheight(0.2 / INCH)
         path, gap, force, strobe = figure.subplots(4, 1, height_ratios=[1.5, 1.0, 1.0, 1.6])
     else:

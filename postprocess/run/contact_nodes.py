@@ -25,6 +25,7 @@ from bladewhirl.postprocess.plotting.style import (
     time_axis,
 )
 from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.run.wear import draw_volume
 
 FEW = 6
 """Up to this number of blades each blade has a line; for more blades, the largest and the mean
@@ -72,7 +73,8 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
         copy: number of the copy.
 
     Returns:
-        Dataset over (time, node): `radial`, `tangential` and `axial` [m], in rotating axes.
+        Dataset over (time, node): `radial`, `tangential` and `axial` [m], in rotating axes; `blade`
+        (node,) is the number of its blade.
     """
     need(result, "contact_displacement")
     time, turned = result["time"].values, rotation.turns(result)
@@ -84,7 +86,7 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
         f"displacements of the contact nodes of copy {copy}",
         {name: (("time", "node"), moved[:, :, i], "m") for i, name in enumerate(DIRECTIONS)},
         {"time": time[last]},
-    )
+    ).assign_coords(blade=("node", result["blade"].values[copy * nodes : (copy + 1) * nodes]))
 
 
 def ring_motion(result: xr.Dataset) -> xr.Dataset:
@@ -139,8 +141,9 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
         above.plot(time, scale * by_blade.max(axis=0), linewidth=0.7, label="largest of all blades")
         above.plot(time, scale * by_blade.mean(axis=0), linewidth=0.7, label="mean of all blades")
     above.set_ylabel(f"normal force\nof a blade [{unit}]")
-    label = f"normal force [{unit}]"
-    draw_map(below, _time_edges(time), np.arange(force.shape[1]), scale * force.T, label=label)
+    look: dict[str, Any] = {"label": f"normal force [{unit}]", "cmap": COLOUR_MAPS["contact"]}
+    shown = np.ma.masked_equal(scale * force.T, 0.0)  # white
+    draw_map(below, _time_edges(time), np.arange(force.shape[1]), shown, vmin=0.0, **look)
     for first in np.flatnonzero(np.diff(number)) + 1:
         below.axhline(float(first) - 0.5, color=COLOURS["rest"], linewidth=0.3)
     below.set_ylabel("contact node" if len(blades) == 1 else "contact node, blade by blade")
@@ -154,7 +157,8 @@ def plot_contact_nodes(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_tip_orbits(data: xr.Dataset) -> Figure:
-    """Draw radial against tangential and against axial displacement of contact nodes.
+    """Draw radial against tangential and against axial displacement of three contact nodes of the
+    blade that moves most.
 
     Args:
         data: dataset from `tip_orbits`.
@@ -163,13 +167,15 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
     panels = side_by_side(figure, 2, sharey=True)
     largest = max(float(np.abs(data[name]).max()) for name in DIRECTIONS)
     unit, scale = handy_unit(largest, "m")
-    nodes = data.sizes["node"]
-    shown = sorted({0, nodes // 2, nodes - 1})
+    moved = np.fmax.reduce([np.abs(data[name].values).max(axis=0) for name in DIRECTIONS])
+    blade = int(data["blade"][int(moved.argmax())])
+    own = np.flatnonzero(data["blade"].values == blade)
+    shown = sorted({0, len(own) // 2, len(own) - 1})
     for axes, name in zip(panels, DIRECTIONS[1:], strict=True):
         for node in shown:
             axes.plot(
-                scale * data[name].values[:, node],
-                scale * data["radial"].values[:, node],
+                scale * data[name].values[:, own[node]],
+                scale * data["radial"].values[:, own[node]],
                 linewidth=0.6,
                 label=f"node {node}",
             )
@@ -177,7 +183,7 @@ def plot_tip_orbits(data: xr.Dataset) -> Figure:
         axes.locator_params(nbins=6)
     panels[-1].label_outer(remove_inner_ticks=False)
     span = float(data["time"][-1] - data["time"][0])
-    head(figure, data, f"last {handy(span, 's', 3)}")
+    head(figure, data, f"blade {blade}, last {handy(span, 's', 3)}")
     legends_below(figure, Group(entries_of(panels[0])))
     return figure
 
@@ -199,8 +205,7 @@ def plot_node_wear(data: xr.Dataset) -> Figure:
     draw_map(above, degrees, edges, depth_scale * recess, cmap=COLOUR_MAPS["wall"], label=label)
     above.set(xticks=np.arange(0, 361, 45), xlabel="angle on the wall, static frame [°]")
     above.set_ylabel(f"axial position [{unit}]")
-    below.plot(data["time"], 1e9 * data["wear_volume"])
-    below.set_ylabel("removed volume [mm³]")
+    draw_volume(below, data)
     time_axis(below)
     head(figure, data)
     return figure

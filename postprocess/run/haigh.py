@@ -15,6 +15,9 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.extremes import stress_split
 from bladewhirl.postprocess.run.stresses import LIMITS, utilisation
 
+NARROWEST = 0.1
+"""Without limits the axis of the mean stress reaches at least this share of the largest alternating
+stress on both sides."""
 ROOM = 1.15  #: largest value of an axis, divided by the largest value drawn
 
 
@@ -76,7 +79,7 @@ def draw_haigh(axes: Axes, data: xr.Dataset) -> None:
         axes.plot(*line, color=COLOURS["k = 1"], clip_on=False)
         top, right = max(top, endurance), max(right, strength)
     else:
-        right = max(right, top)
+        left, right = min(left, -NARROWEST * top), max(right, NARROWEST * top)
     worst = data["blade"].values == data.attrs["worst"]
     for here, colour in ((~worst, "k = 0"), (worst, "total")):
         if here.any():  # an empty line that is not clipped would stretch the layout
@@ -87,6 +90,7 @@ def draw_haigh(axes: Axes, data: xr.Dataset) -> None:
     rotation = "with" if data.attrs["steady"] else "without"
     axes.set_xlabel(f"mean {of_what} stress [{unit}],\n{rotation} that of steady rotation")
     axes.set_ylabel(f"alternating stress [{unit}]")
+    axes.locator_params(axis="x", nbins=5)
     axes.set_title(_worst(data))
 
 

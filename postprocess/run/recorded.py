@@ -1,5 +1,7 @@
 """Figures of any recorded quantity over time."""
 
+import textwrap
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -11,6 +13,8 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.solvers.march.schema import HISTORY
 
 MOST = 12  #: largest number of lines that are drawn
+
+LETTERS = 30  #: largest number of letters in a line of the label of the vertical axis
 
 HEIGHT = 0.06  #: height of a figure [m]
 
@@ -42,7 +46,7 @@ def plot_recorded(data: xr.Dataset) -> Figure:
         title = str(column).replace("_", " ")
         axes.legend(lines, values[column].values, title=title, loc="upper right")
     text, unit = values.attrs["long_name"], values.attrs["units"]
-    axes.set_ylabel(text if unit == "1" else f"{text} [{unit}]")
+    axes.set_ylabel(textwrap.fill(text if unit == "1" else f"{text} [{unit}]", LETTERS))
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=values.dtype.kind == "i"))
     time_axis(axes)
     head(figure, data)

@@ -18,11 +18,13 @@ from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
     COLOURS,
     FULL_WIDTH,
+    is_narrow,
     new_figure,
+    rows_of_panels,
     styled,
     time_axis,
 )
-from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.plotting.titles import head, plain_exponents
 from bladewhirl.postprocess.run.sensors import shown_unit
 from bladewhirl.postprocess.shaft.spectra import (
     DECADES,
@@ -295,6 +297,7 @@ def plot_sensor_spectra(spectra: xr.Dataset) -> Figure:
         first.secondary_xaxis("top", functions=functions)
         first.set_title("engine order", loc="right")
     axes.set_xlabel("frequency [Hz]")
+    plain_exponents(figure)
     if entries := entries_of(*panels):
         figure.legend(*zip(*entries, strict=True), loc="outside lower center", ncols=2)
     figure.align_ylabels([*panels])
@@ -328,8 +331,7 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
     names = [str(name) for name, moved in blades.items() if f"{name}_low" in blades]
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(names))
     alone, count = blades.sizes["blade"] == 1, blades.sizes["blade"]
-    ratios = [1] if alone else [3, 1]
-    rows = figure.subplots(len(names), len(ratios), squeeze=False, width_ratios=ratios)
+    rows = rows_of_panels(figure, len(names), [1.0] if alone else [3.0, 1.0])
     for (over_turns, *others), name in zip(rows, names, strict=True):
         unit, scale = shown_unit(blades[name])
         moved, signed = scale * blades[name].values, blades[name].attrs["type"] == "tip-timing"
@@ -350,12 +352,13 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
         blade_axis(over_turns, count, of_y=True)
         low, high = (scale * blades[f"{name}_{end}"].values for end in ("low", "high"))
         for extremes in others:
+            extremes.set_title(name, loc="left")
             extremes.use_sticky_edges = False
             extremes.bar(blade, high - low, 0.8, low, color=COLOURS["rest"])
             extremes.axhline(0.0, color="black", linewidth=0.6)
             extremes.set(ylabel=f"extremes [{unit}]")
-            blade_axis(extremes, count, most=3)
-    rows[-1][0].set_xlabel("revolution")
+            blade_axis(extremes, count, most=8 if is_narrow(figure) else 3)
+        over_turns.set_xlabel("revolution")
     head(figure, blades)
     return figure
 

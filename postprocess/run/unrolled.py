@@ -22,7 +22,7 @@ from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
     INCH,
-    NARROW,
+    is_narrow,
     new_figure,
     styled,
 )
@@ -31,6 +31,7 @@ from bladewhirl.postprocess.run.wear import coating_of
 
 MOST_SECTORS = 360  #: largest number of sectors of the casing
 MOST_SPANS = 60  #: largest number of spans of time, each of a revolution or more
+LEAST = 1e-3  #: value that chooses the unit of values that are all zero
 ROW = 0.036  #: height of a row of panels [m]
 QUANTITIES = {"gap": "smallest gap", "force": "largest force", "wear": "removed depth"}
 """Quantities by the names of their variables in `unrolled`."""
@@ -124,7 +125,7 @@ def plot_unrolled(data: xr.Dataset) -> Figure:
     if data.sizes["axial"] == data.sizes["blade"] == 1:
         by_blade = []
     figure = new_figure(width=FULL_WIDTH, height=0.02 + ROW * len(shown))
-    if figure.get_figwidth() * INCH < NARROW:  # one panel below another
+    if is_narrow(figure):  # one panel below another
         figure.set_figheight((0.02 + ROW * (len(shown) + len(by_blade))) / INCH)
         panels = figure.subplots(len(shown) + len(by_blade), 1, squeeze=False)[:, 0]
         static, turning = panels[: len(shown)], panels[len(shown) :]
@@ -154,7 +155,7 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
     kind = name.removeprefix("blade_")
     values, axial = seen[name].values, seen["axial"].values
     both = [float(seen[each].max()) for each in (kind, name)]
-    unit, scale = handy_unit(max(both), seen[kind].attrs["units"])
+    unit, scale = handy_unit(max(both) or LEAST, seen[kind].attrs["units"])
     words = QUANTITIES[kind]
     if kind == "gap" and "wear" in seen:
         words += "\nto metal"
@@ -174,6 +175,9 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
         axes.plot(scale * values[:, 0], larger * axial, ".-", color=COLOURS["total"])
         axes.set(xlabel=label, xlim=(0, 1.05 * scale * max(both) or 1.0))
     elif edges is None:
-        axes.bar(seen["blade"].values, scale * values[0], color=COLOURS["k = 0"])
+        place, height = seen["blade"].values, scale * values[0]
+        axes.bar(place, height, color=COLOURS["k = 0"])
+        axes.plot(place, height, "_", color=COLOURS["k = 0"], clip_on=False, zorder=3)  # of zero
     else:
-        axes.stairs(scale * values[0], edges, color=COLOURS["total"], baseline=None)
+        line: dict[str, Any] = {"baseline": None, "clip_on": False, "zorder": 3}
+        axes.stairs(scale * values[0], edges, color=COLOURS["total"], **line)

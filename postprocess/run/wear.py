@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.files import write_atomically
@@ -247,12 +248,21 @@ def plot_wear_lobes(data: xr.Dataset) -> Figure:
     the wall does not explain, from `wear`."""
     figure = new_figure(height=0.05)
     axes = figure.subplots()
-    axes.bar(data["lobes"].values, 100 * data["lobe_share"].values)
-    axes.set(xlabel="lobes", ylabel="share of the variance [%]", ylim=(0, 100))
+    share = 100 * data["lobe_share"].values
+    axes.bar(data["lobes"].values, share)
+    top = 1.1 * float(share.max()) or 1.0
+    axes.set(xlabel="lobes", ylabel="share of the variance [%]", ylim=(0, min(top, 102)))
     shape = float(data.attrs["shape_share"])
     words = [f"without the {shape:.0%} of the variance that follow the wall's shape"]
     head(figure, data, *words[: shape > 0.0])
     return figure
+
+
+def draw_volume(axes: Axes, data: xr.Dataset) -> None:
+    """Draw the removed volume over time in a panel, from `wear`."""
+    unit, scale = ("cm³", 1e6) if data["wear_volume"].max() >= 1e-6 else ("mm³", 1e9)
+    axes.plot(data["time"], scale * data["wear_volume"])
+    axes.set_ylabel(f"removed volume [{unit}]")
 
 
 @styled
@@ -260,8 +270,7 @@ def plot_wear_volume(data: xr.Dataset) -> Figure:
     """Draw removed volume and dissipated energy over time, from `wear`."""
     figure = new_figure(height=0.08)
     upper, lower = figure.subplots(2, sharex=True)
-    upper.plot(data["time"], 1e9 * data["wear_volume"])
-    upper.set_ylabel("removed volume [mm³]")
+    draw_volume(upper, data)
     lower.plot(data["time"], data["wear_dissipated"])
     lower.set_ylabel("dissipated energy [J]")
     time_axis(lower)

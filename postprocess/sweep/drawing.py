@@ -10,15 +10,25 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+from numpy.typing import NDArray
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.axes import SPEED, cell_edges, rpm_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS, FULL_WIDTH, INCH, new_figure
+from bladewhirl.postprocess.plotting.style import (
+    COLOUR_MAPS,
+    COLOURS,
+    FULL_WIDTH,
+    INCH,
+    is_narrow,
+    new_figure,
+    rows_of_panels,
+)
 from bladewhirl.postprocess.plotting.titles import key_words, set_title
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 from bladewhirl.solvers.march.schema import POINT
@@ -123,6 +133,48 @@ def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
             rpm_axis(axes, float(data.attrs["reference_hz"]))
 
 
+def grid_of_panels(
+    data: xr.Dataset, widths: Sequence[float], height: float, **options: Any
+) -> tuple[Figure, list[int], NDArray[Any]]:
+    """Return a figure with a row of panels for each of up to `MOST_ROWS` lines, the numbers of
+    these lines, and the panels (row, column), see `rows_of_panels`; rows have titles."""
+    shown, titles = chosen(data.sizes[LINE], MOST_ROWS), line_values(data)
+    figure = new_figure(width=FULL_WIDTH, height=height)
+    panels = np.array(rows_of_panels(figure, len(shown), widths, sharex=True, **options))
+    for number, first in zip(shown, panels[:, 0], strict=True):
+        first.set_title(titles[number], loc="left")
+    return figure, shown, panels
+
+
+def label_grid(data: xr.Dataset, panels: NDArray[Any], share: float) -> None:
+    """Add axes of the swept key below panels (row, column), and axes in rpm above them if the key
+    is the speed. `share` is the width of a panel in a row, relative to that of the figure."""
+    narrow = is_narrow(panels[0, 0].get_figure(root=True))
+    for axes in panels[-1, -1:] if narrow else panels[-1]:
+        key_axis(axes, data, share=0.9 if narrow else share)
+    rpm_on_top(data, *panels[0, : 1 if narrow else None])
+
+
+def finish_maps(
+    data: xr.Dataset, panels: NDArray[Any], bars: Mapping[int, tuple[Any, str]]
+) -> None:
+    """Add axes of both swept keys to maps in panels (row, column), and colour bars: of each column
+    its map and its label."""
+    figure, (rows, columns) = panels[0, 0].get_figure(root=True), panels.shape
+    narrow, of_speed = is_narrow(figure), key_label(data[str(data.attrs["along"])]) == SPEED
+    for axes in panels[:, : columns if narrow else 1].flat:
+        key_axis(axes, data, of_y=True, key=str(data.attrs["across"]), share=0.5)
+    label_grid(data, panels, 1.3 / columns)
+    for column, (drawn, label) in bars.items():
+        # above the axis in rpm
+        pad = 0.02 + (0.13 / rows if of_speed and not narrow else 0.0)
+        place, aspect = ("right", 20 * rows) if narrow else ("top", 30)
+        look: dict[str, Any] = {"location": place, "pad": pad, "aspect": aspect, "label": label}
+        bar = figure.colorbar(drawn, ax=panels[:, column].tolist(), **look)
+        if isinstance(bar.norm, Normalize) and bar.norm.__class__ is Normalize:
+            bar.ax.locator_params(nbins=4)
+
+
 def key_edges(one: xr.Dataset) -> Array:
     """Return the borders of cells around the values of the horizontal key, (values + 1,)."""
     return edges_of(one[str(one.attrs["along"])].values)
@@ -225,8 +277,8 @@ def stacked(
     """
     data = in_handy_units(data)
     figure = new_figure(width=FULL_WIDTH, height=height)
-    panels = figure.subplots(count, 1, sharex=True, **arrangement)
-    return data, lines_of(data), figure, [*panels]
+    panels = figure.subplots(count, 1, sharex=True, squeeze=False, **arrangement)
+    return data, lines_of(data), figure, [*panels[:, 0]]
 
 
 def draw_quantity(axes: Axes, lines: Sequence[Line], name: str, scale: float) -> None:
@@ -260,6 +312,9 @@ def plot_quantities(data: xr.Dataset, panels: Mapping[str, tuple[float | None, s
         draw_quantity(axes, lines, name, scale)
         axes.margins(y=0.1)
         axes.set_ylim(bottom=0.0)
+        whole = scale * data[name].values
+        if np.array_equal(whole, np.round(whole), equal_nan=True):
+            axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.set_ylabel(label)
     label_figure(figure, data, divergent_mark(data), lines_group(lines))
     return figure

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting import style
-from bladewhirl.postprocess.plotting.axes import SPEED, Labels
+from bladewhirl.postprocess.plotting.axes import Labels
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import swept
@@ -114,17 +114,10 @@ def _resonances(key: Array, speed: Array, frequency: Array) -> Array:
 def plot_interaction(data: xr.Dataset) -> Figure:
     """Draw the map from `interaction`: a row of panels for each line of the Dataset."""
     given, data = data, drawing.in_handy_units(data)
-    shown, titles = drawing.chosen(data.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(data)
-    names = [name for name in QUANTITIES if name in data]
-    along, across = str(data.attrs["along"]), str(data.attrs["across"])
-    figure = style.new_figure(width=style.FULL_WIDTH, height=0.045 + 0.055 * len(shown))
-    narrow = figure.get_figwidth() * style.INCH < style.NARROW
-    columns = len(names)
-    if narrow:  # panels one above another
-        figure.set_figheight((0.045 + 0.05 * columns * len(shown)) / style.INCH)
-    shape = (len(shown) * columns, 1) if narrow else (len(shown), columns)
-    rows = figure.subplots(*shape, sharex=True, sharey=True, squeeze=False)
-    rows = rows.reshape(len(shown), columns)
+    names, along = [name for name in QUANTITIES if name in data], str(data.attrs["along"])
+    height = 0.045 + 0.055 * min(data.sizes[LINE], drawing.MOST_ROWS)
+    figure, shown, rows = drawing.grid_of_panels(data, [1.0] * len(names), height, sharey=True)
+    bars = {}
     for column, name in enumerate(names):
         quantity, panels = QUANTITIES[name], rows[:, column]
         values = data[name].values
@@ -139,18 +132,8 @@ def plot_interaction(data: xr.Dataset) -> Figure:
             draw_cells(axes, data, none, cmap=ListedColormap(["white"]), rasterized=True)
             some = np.ma.masked_where(~(cells > 0.0), cells)
             drawn = draw_cells(axes, data, some, norm=Normalize(0.0, top), **look)
-        label = f"{quantity.label} [{unit}]"
-        pad = 0.02 + (0.12 / len(shown) if of_speed(data) and not narrow else 0.0)
-        where: dict[str, Any] = {"location": "right" if narrow else "top", "pad": pad}
-        bar = figure.colorbar(drawn, ax=panels.tolist(), label=label, aspect=25, **where)
-        bar.ax.locator_params(nbins=4)
-    for number, row in zip(shown, rows, strict=True):
-        row[0].set_title(titles[number], loc="left")
-        for axes in row[: columns if narrow else 1]:
-            drawing.key_axis(axes, data, of_y=True, key=across, share=0.5)
-    for axes in rows[-1, -1:] if narrow else rows[-1]:
-        drawing.key_axis(axes, data, share=1.0 if narrow else 1.3 / columns)
-    drawing.rpm_on_top(data, *rows[0][: 1 if narrow else columns])
+        bars[column] = drawn, f"{quantity.label} [{unit}]"
+    drawing.finish_maps(data, rows, bars)
     entries = [(Patch(facecolor="white", edgecolor="#777777"), "white: none")]
     note = ""
     if given.sizes["resonance"]:
@@ -160,11 +143,6 @@ def plot_interaction(data: xr.Dataset) -> Figure:
     for axes in rows.ravel():
         _draw_resonances(axes, given, factor)
     return figure
-
-
-def of_speed(data: xr.Dataset) -> bool:
-    """Return whether the horizontal axis is the speed in multiples of the reference frequency."""
-    return drawing.key_label(data[str(data.attrs["along"])]) == SPEED
 
 
 def _draw_resonances(axes: Axes, given: xr.Dataset, factor: float) -> None:

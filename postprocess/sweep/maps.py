@@ -18,7 +18,6 @@ from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.periodic.dataset import fixed, of_sweep
 from bladewhirl.postprocess.plotting import style
-from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import swept
@@ -116,7 +115,6 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     be judged at no point, the map of growth rates is left out.
     """
     given, maps = maps, drawing.in_handy_units(maps)
-    shown, titles = drawing.chosen(maps.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(maps)
     along, across = str(maps.attrs["along"]), str(maps.attrs["across"])
     largest = maps[str(maps.attrs["largest"])]
     unit, scale = handy_unit(float(largest.max().fillna(0.0)), "m")
@@ -130,17 +128,11 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         threshold = linear_threshold(growth, error)
         norm = SymLogNorm(threshold, vmin=-top, vmax=top) if threshold else Normalize(-top, top)
         pictures.append((growth, "growth rate [1/s]", style.COLOUR_MAPS["signed"], norm))
-    columns, height = 1 + len(pictures), 0.05 * len(shown)
-    figure = style.new_figure(width=style.FULL_WIDTH, height=0.04 + height)
-    narrow = figure.get_figwidth() * style.INCH < style.NARROW
-    shape = (len(shown) * columns, 1) if narrow else (len(shown), columns)
-    if narrow:  # panels one above another
-        figure.set_figheight((0.04 + columns * height) / style.INCH)
-    rows = figure.subplots(*shape, sharex=True, sharey=True, squeeze=False)
-    rows = rows.reshape(len(shown), columns)
+    height = 0.04 + 0.05 * min(maps.sizes[LINE], drawing.MOST_ROWS)
+    columns = [1.0] * (1 + len(pictures))
+    figure, shown, rows = drawing.grid_of_panels(maps, columns, height, sharey=True)
     for number, row in zip(shown, rows, strict=True):
         draw_regimes(row[0], maps[along].values, maps[across].values, regime_names(maps)[number])
-        row[0].set_title(titles[number], loc="left")
         drawn = [
             draw_cells(axes, maps, values[number], cmap=colours, norm=norm, rasterized=True)
             for axes, (values, _, colours, norm) in zip(row[1:], pictures, strict=True)
@@ -154,22 +146,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
         row[1].plot(*place, mark, color="black", markersize=3.0)
         for axes in row:
             _draw_branches(axes, maps, given)
-        for axes in row[: columns if narrow else 1]:
-            drawing.key_axis(axes, maps, of_y=True, key=across, share=0.5)
-    for axes in rows[-1, -1:] if narrow else rows[-1]:
-        drawing.key_axis(axes, maps, share=1.0 if narrow else 1.3 / columns)
-    drawing.rpm_on_top(maps, *rows[0][: 1 if narrow else columns])
-    of_speed = drawing.key_label(maps[along]) == SPEED
-    for column, (_, label, _, _) in enumerate(pictures):
-        figure.colorbar(
-            drawn[column],
-            ax=rows[:, 1 + column].tolist(),
-            label=label,
-            location="right" if narrow else "top",
-            aspect=20 * len(shown) if narrow else 30,
-            # above the axis in rpm
-            pad=0.02 + (0.14 / len(shown) if of_speed and not narrow else 0.0),
-        )
+    bars = {n: (drawn[n - 1], label) for n, (_, label, _, _) in enumerate(pictures, 1)}
+    drawing.finish_maps(maps, rows, bars)
     entries: list[tuple[Artist | tuple[Artist, ...], str]] = []
     entries += regime_entries(regime_names(maps))
     if doubtful[shown].any():

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.energy import strain
 from bladewhirl.postprocess.plotting.axes import draw_decades, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, entries_of
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.run import blade_contact
 from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import GROUP
@@ -45,21 +45,17 @@ def plot_rows(
         lines: number of lines of the sweep; the number of lines in `data` by default.
     """
     data = drawing.in_handy_units(data)
-    shown, titles = drawing.chosen(data.sizes[LINE], drawing.MOST_ROWS), drawing.line_values(data)
-    height, share, pad = 0.02 + 0.05 * len(shown), 0.5, 0.02
+    count = min(data.sizes[LINE], drawing.MOST_ROWS)
+    height, share, pad = 0.02 + 0.05 * count, 0.5, 0.02
     if len(columns) == 1:
-        height, share, pad = max(0.1, 0.065 * len(shown)), 0.9, 0.01
-    figure: Figure = new_figure(width=FULL_WIDTH, height=height)
+        height, share, pad = max(0.1, 0.065 * count), 0.9, 0.01
+    figure, shown, panels = drawing.grid_of_panels(data, [1.0] * len(columns), height)
     figure.set_layout_engine("constrained", wspace=0.08)
-    panels = figure.subplots(len(shown), len(columns), sharex=True, sharey="col", squeeze=False)
     for number, row in zip(shown, panels, strict=True):
-        row[0].set_title(titles[number], loc="left")
         drawn = [
             draw(axes, data.isel({LINE: number})) for axes, draw in zip(row, columns, strict=True)
         ]
-    for axes in panels[-1]:
-        drawing.key_axis(axes, data, share=share)
-    drawing.rpm_on_top(data, *panels[0])
+    drawing.label_grid(data, panels, share)
     for mesh, column in zip(drawn, panels.T, strict=True):
         if mesh is not None:
             figure.colorbar(mesh, ax=column.tolist(), label=label, pad=pad)
@@ -79,7 +75,7 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
         not exist at a point; numbers of blades `permanent` (in contact for 99 % of the time or
         more), `intermittent` (less than 99 %) and `free` (never in contact).
     """
-    data = along(dataset, key, ["late_contact_share"])
+    data = along(dataset, key, ["late_contact_share", "regime"])
     share = data["late_contact_share"]
     classes = {
         "permanent": share >= blade_contact.PERMANENT,
@@ -99,15 +95,19 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
 def plot_blade_contacts(data: xr.Dataset) -> Figure:
     """Draw the share of the time in contact of each blade, and the number of blades of each class,
     from `blade_contacts`."""
+    if data.sizes["blade"] == 1:
+        percent = (100.0 * data["late_contact_share"].isel(blade=0)).assign_attrs(units="%")
+        share = {"share": (1.0, "time in contact [%]")}
+        return drawing.plot_quantities(data.assign(share=percent), share)
     limit = blade_contact.share_limit(data["late_contact_share"])
-    label = blade_contact.share_label("time in contact [%], white: none", limit)
+    label = blade_contact.share_label("time in contact [%]", limit)
     shares = partial(_draw_shares, limit=limit)
     return plot_rows(data, [shares, _draw_counts], label=label)
 
 
 def _draw_shares(axes: Axes, one: xr.Dataset, limit: float) -> QuadMesh:
     edges, blades = drawing.key_edges(one), np.arange(one.sizes["blade"])
-    axes.set(ylabel="blade, by its number")
+    axes.set(ylabel="blade")
     axes.locator_params(axis="y", integer=True)
     free = np.ma.masked_not_equal(one["late_contact_share"].values.T, 0.0)
     draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))

@@ -28,8 +28,8 @@ SECTION_SIZE = 2.2  #: size of marks of sections [points]
 PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
 WEAR = {
-    "wear_volume": (1e6, "removed volume [cm³]"),
-    "wear_strain_max": (100.0, "deepest cut [% of thickness]"),
+    "wear_volume": (1e6, "removed\nvolume [cm³]"),
+    "wear_strain_max": (100.0, "deepest cut\n[% of thickness]"),
     "wear_lobes": (1.0, "lobes"),
 }
 """Factor and label of each quantity of the wear."""

@@ -29,6 +29,7 @@ def render(
     colour: Field = "deformation",
     view: View | None = None,
     orbit: Annotated[bool, typer.Option("--orbit")] = False,
+    width: Annotated[float | None, typer.Option(min=60.0, max=400.0)] = None,
     overwrite: options.Replace = False,
 ) -> None:
     """Draw a run as GIF, MP4, PNG or HTML, without a display.
@@ -57,6 +58,8 @@ def render(
         view: Direction of the view of a superelement: by default oblique, with the wall cut open in
             front of the tips.
         orbit: Show the shaft's orbit in an inset.
+        width: Width of a still in print [mm], such as 85 for a column and 170 for a page; text has
+            7 points.
     """
     from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.kinematics import nearest_records, sampling_hint
@@ -69,8 +72,11 @@ def render(
     times: list[Any] = time or []
     window = {"frames": frames, "start": start, "end": end}
     _check_options(set(targets), times, {"--frames": frames, "--from": start, "--to": end})
+    if width is not None and (set(targets) != {"png"} or orbit):
+        raise UserError("--width: allowed for a still (--png) without --orbit only")
     pictures = list(_pictures(targets, times, window))
     look: dict[str, Any] = {"frame": frame, "colour": colour, "view": view, "orbit": orbit}
+    look["width"] = None if width is None else 1e-3 * width
     with open_result(directory) as result:
         for path, _ in pictures:
             with writing(path):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -314,9 +314,9 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
             write_page(campbell_page(diagram), page)
 
     def figures() -> Figures:
-        from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
+        from bladewhirl.postprocess.modal.campbell import drawn_part, frames_of, plot_campbell
 
-        data, frames = drawn_part(diagram).reset_index("coincidence"), get_args(Frame)
+        data, frames = drawn_part(diagram).reset_index("coincidence"), frames_of(diagram)
         return {f"campbell-{frame}": (plot_campbell(diagram, frame), data) for frame in frames}
 
     return Study(

@@ -33,6 +33,7 @@ def render(
     colour: Field = "deformation",
     view: View | None = None,
     orbit: bool = False,
+    width: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Draw a run without a display; the suffix of the file selects the kind of picture. ``.gif``
@@ -55,6 +56,8 @@ def render(
             those of beams.
         view: direction of the view of a superelement: "oblique", the default, "axial" or "side".
         orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft.
+        width: width of a still in print [m], in which all text has 7 points; if None, the still is
+            a picture for screens.
         progress: called with the numbers of finished and of all pictures of a film.
 
     Returns:
@@ -70,6 +73,7 @@ def render(
     from bladewhirl.postprocess.fields.kinematics import ViewError, nearest_records
     from bladewhirl.postprocess.fields.result import opened
     from bladewhirl.postprocess.pictures import render as pictures
+    from bladewhirl.postprocess.pictures.printed import print_still
     from bladewhirl.postprocess.pictures.web_page import render_page
 
     target = Path(path)
@@ -79,6 +83,8 @@ def render(
         raise ViewError(
             f"{target}: omit time; it is allowed for .png only, without frames, start and end"
         )
+    if width is not None and (orbit or windowed or kind != ".png" or isinstance(time, Sequence)):
+        raise ViewError(f"{target}: omit width; it is allowed for a still without orbit only")
     look: dict[str, Any] = dict(exaggeration=exaggeration, frame=frame, colour=colour, view=view)
     with opened(result) as dataset, writing(target):
         still = kind == ".png" and not windowed and not isinstance(time, Sequence)
@@ -88,6 +94,8 @@ def render(
             records = np.array([pictures.strongest_contact(dataset)])
         else:
             records = window_records(dataset, target, frames=frames, start=start, end=end)
+        if width is not None:
+            return print_still(dataset, target, int(records[0]), width=width, **look)
         if still:
             return pictures.render_still(dataset, target, int(records[0]), orbit=orbit, **look)
         if kind == ".png":

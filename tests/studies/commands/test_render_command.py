@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 import pyvista
-from command_line import answer
+from command_line import answer, refusal
 from PIL import Image
 
 
@@ -59,12 +59,13 @@ def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(
         "bladewhirl.studies.runs.render.render", lambda _, path, **options: calls.append(options)
     )
-    options = ["--time", "0.1", "--orbit", "--colour", "gap", "--view", "axial"]
-    answer("render", run, "--png", *options)
+    options = ["--time", "0.1", "--colour", "gap", "--view", "axial"]
+    refusal("render", run, "--png", "--width", "85", "--orbit")
+    answer("render", run, "--png", "--width", "85", *options)
     [view] = calls
     assert view.pop("progress")
-    look = {"exaggeration": None, "frame": None, "colour": "gap", "view": "axial", "orbit": True}
-    assert view == {"time": 0.1, **look}
+    look = {"exaggeration": None, "frame": None, "colour": "gap", "view": "axial", "orbit": False}
+    assert view == {"time": 0.1, "width": pytest.approx(0.085), **look}
 
 
 def test_a_window_as_lines(run: Path) -> None:
