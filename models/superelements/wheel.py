@@ -9,6 +9,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
+from bladewhirl.meshes.coincident import COINCIDENT, places_of
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.errors import Fault
@@ -416,13 +417,22 @@ def _wheel(part: Superelement, spread: FloatArray, squares: FloatArray) -> Super
         changes["points"] = rotate(part.points, spread[:, None]).reshape(-1, 3)
         changes["recovery"] = np.zeros((3 * len(changes["points"]), len(squares)))
         if part.triangles is not None:
-            count = len(part.points)
-            changes["triangles"] = np.vstack(
-                [part.triangles + n * count for n in range(len(spread))]
-            )
+            of_sector = _outside(part.triangles, changes["points"].reshape(len(spread), -1, 3))
+            starts = len(part.points) * np.arange(len(spread))
+            changes["triangles"] = (of_sector + starts[:, None, None]).reshape(-1, 3)
     return replace(
         part,
         **{**changes, **of_modes(squares)},
         contact_position=positions,
         contact_dofs=np.full((len(positions), 3), -1),
     )
+
+
+def _outside(triangles: IntArray, points: FloatArray) -> IntArray:
+    """Return the triangles (triangle, 3) of a sector that do not lie on a face of which the next or
+    the previous sector has all points, for the points of all sectors (sector, point, 3) [m]."""
+    flat = points.reshape(-1, 3)
+    place = places_of(flat, COINCIDENT * float(np.ptp(flat))).reshape(len(points), -1)
+    faces = [np.isin(place[0], place[neighbour]) for neighbour in (1, -1)]
+    inside = np.any([face[triangles].all(axis=1) for face in faces], axis=0)
+    return np.asarray(triangles[~inside])
