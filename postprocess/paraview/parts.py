@@ -102,6 +102,10 @@ class StageParts:
         ]
         self.grid_names = tuple(self._grids(self._still[1], 0, int(records[0])))
 
+    def tips(self, record: int) -> Array:
+        """Return the drawn contact nodes at a record in rotating axes (contact_node, 3) [m]."""
+        return self._enlarged(np.array([record]), self.exaggeration).contact_nodes(0)
+
     def grids(self) -> Iterator[dict[str, meshio.Mesh]]:
         """Yield the grids of the parts, by name, for each record."""
         for records in self._portions:

@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.files import claim, owned, replacing, write_atomically
-from bladewhirl.meshes.plane import directions
+from bladewhirl.meshes.plane import directions, unit
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import (
@@ -29,7 +29,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     sampling_hint,
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
-from bladewhirl.postprocess.paraview.parts import StageParts
+from bladewhirl.postprocess.paraview.parts import UP, StageParts
 from bladewhirl.postprocess.paraview.shaft_line import exaggeration_of, line_grids
 from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, opening
 from bladewhirl.postprocess.pictures.choices import View
@@ -96,8 +96,8 @@ def export_vtk(
       in contact.
     * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
       time between the records, as a vector (normal inward, positive friction towards -theta).
-    * on `coating`: `wear`, the removed depth, and `remaining_thickness` [m], and the number
-      `track`, -1 beside the tracks.
+    * on `coating`: `wear`, the removed depth, and `remaining_thickness` [m] to the metal, which
+      tips touch where the share `limit` is removed, and the number `track`, -1 beside the tracks.
     * on cells: the numbers `part` and `blade` (-1 for no blade), and `thickness` [m].
 
     `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp
@@ -267,9 +267,10 @@ def _about(
         "exaggeration": parts.exaggeration,
         "largest_force": float(force.max()),
         "colours": _colours(parts, "magnitude" if solid else "line", is_normalised(dataset)),
+        "solid": solid,
         "parts": parts.names,
         "grids": list(parts.grid_names),
-        **_view(dataset, parts, "oblique" if solid else "axial", rotating),
+        **_view(dataset, parts, "oblique" if solid else "axial", int(records[shown]), rotating),
     }
 
 
@@ -298,28 +299,33 @@ def _colours(parts: StageParts, of_rotor: str, normalised: bool) -> dict[str, di
     return found
 
 
-def _view(dataset: xr.Dataset, parts: StageParts, view: View, rotating: bool) -> dict[str, Any]:
+def _view(
+    dataset: xr.Dataset, parts: StageParts, view: View, record: int, rotating: bool
+) -> dict[str, Any]:
     """Return camera and middle, half the height of the picture [m], and origins and normals of
-    planes beyond which the wall is cut off."""
+    planes beyond which the wall is cut off: in front of the tips of a single blade at a record, so
+    that forces on them are seen."""
     stage, around = parts.drawn, rotating is False or blade_count(dataset) > 1
     axes, focus = axes_of_view(stage, view, around=around)
     wall = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1)))
     seen = (np.vstack([stage.rest, wall]) if around else stage.rest) - focus
     gap, ahead = opening(axes[2])
-    planes = [(stage.inner_radius.max() * np.cos(gap), ahead)] if gap else []
+    middle = stage.inner_radius.max() * np.cos(gap) * directions(ahead)
+    planes = [(np.append(middle, 0.0), np.append(directions(ahead), 0.0))] if gap else []
     if not around:  # the wall near the blade
-        angle = dataset["tip_angle"].values
-        ends = angle.max() + ARC + 0.5 * np.pi, angle.min() - ARC - 0.5 * np.pi
-        planes = [(0.0, end) for end in ends]
+        angle, tips = dataset["tip_angle"].values, parts.tips(record)
+        sides = np.stack([angle.max() + ARC + 0.5 * np.pi, angle.min() - ARC - 0.5 * np.pi])
+        planes = [(np.zeros(3), end) for end in np.pad(directions(sides), ((0, 0), (0, 1)))]
+        chord = tips[np.argmax(tips[:, 2])] - tips[np.argmin(tips[:, 2])]
+        front = np.cross(chord if chord.any() else UP, tips.mean(axis=0) * [1.0, 1.0, 0.0])
+        front = unit(front if front @ axes[2] > 0.0 else -front)
+        planes.append((tips[np.argmin(tips @ front)], front))
     return {
         "towards": axes[2].tolist(),
         "up": axes[1].tolist(),
         "focus": focus.tolist(),
         "size": float((np.abs(seen @ axes[:2].T) * [0.8, 1.0]).max()),
-        "cuts": [
-            [np.append(part * directions(along), 0.0).tolist() for part in (reach, 1.0)]
-            for reach, along in planes
-        ],
+        "cuts": [[each.tolist() for each in plane] for plane in planes],
     }
 
 

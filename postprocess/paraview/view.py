@@ -82,7 +82,7 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
     """Show a part with the colours of its own scale and with its edges; the wall is cut open."""
     part = simple.ExtractBlock(registrationName=name, Input=drawn)
     part.Selectors = [f"/Root/{name}"]
-    for origin, normal in SERIES["cuts"] if name in ("casing", "coating") else ():
+    for origin, normal in SERIES["cuts"] if name != "rotor" else ():
         part = simple.Clip(registrationName=f"{name}, cut open", Input=part, ClipType="Plane")
         part.ClipType.Origin, part.ClipType.Normal = origin, normal
     look = SERIES["colours"].get(name)
@@ -92,6 +92,11 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
         part.ResultArrayName = label
         size = look["array"] if look["array"] == "wear" else f"mag({look['array']})"
         part.Function = f"{look['factor']!r}*{size}"
+    whole = simple.Clean(Input=simple.ExtractSurface(Input=part))
+    whole.Tolerance = 1e-4  # joins elements
+    if name == "rotor" and SERIES["solid"]:
+        part = simple.GenerateSurfaceNormals(registrationName="smooth rotor", Input=whole)
+        part.FeatureAngle = 35.0
     shown = simple.Show(part, view)
     shown.LineWidth = 1.0 if name == "supports" else 2.5
     shown.Ambient, shown.Diffuse = 0.35, 0.7
@@ -115,8 +120,6 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
         bar.AddRangeLabels, bar.UseCustomLabels = 0, 1
         bar.CustomLabels = [look["end"] * tick / 4.0 for tick in range(5)]
     if name != "supports":
-        whole = simple.Clean(Input=simple.ExtractSurface(Input=part))
-        whole.Tolerance = 1e-4  # joins elements
         edges = simple.FeatureEdges(registrationName=f"edges of {name}", Input=whole)
         edges.BoundaryEdges = edges.NonManifoldEdges = 0
         lines = simple.Show(edges, view)
