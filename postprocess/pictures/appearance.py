@@ -5,14 +5,13 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.colors import to_rgb
 
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, turn
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.pictures.choices import Frame
-from bladewhirl.postprocess.pictures.colouring import Colouring, scale_end
+from bladewhirl.postprocess.pictures.colouring import scale_end
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
 INK = "#20262e"
@@ -56,26 +55,6 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
     ]
 
 
-LEVELS, LIT_LEVELS = 90, 38  #: colours of each colour map in a palette, without and with light
-SMOOTHED = (0.25, 0.5, 0.75)  #: shares of colours of letters in the smoothed edges of these
-NEARLY_WHITE = 0.97
-LIGHTS = (1.0, 0.84, 0.68)  #: brightnesses of lit surfaces in a palette
-
-
-def scene_colours(colouring: Colouring, *, lit: bool) -> Array:
-    """Return the colours of a picture (colour, 3), between 0 and 1, as a palette has them; those of
-    the colour map at several brightnesses if surfaces are lit."""
-    fixed = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
-    levels, lights = (LIT_LEVELS, LIGHTS) if lit else (LEVELS, (1.0,))
-    scales = (colouring.disk, colouring.wall)
-    field = np.array([to_rgb(colour) for scale in scales for colour in scale.shades(levels)])
-    field = field[field.min(axis=1) < NEARLY_WHITE]  # Pillow would take these for the background
-    shades = [light * field for light in lights]
-    written = np.array([to_rgb(colour) for colour in (INK, FAINT, FORCE_COLOUR)])
-    edges = [1.0 - share * (1.0 - written) for share in SMOOTHED]
-    return np.vstack([[to_rgb(colour) for colour in fixed], *edges, *shades])
-
-
 def time_text(time: float, step: float) -> str:
     """Return a time [s] as text, with the decimals that distinguish records a `step` [s] apart."""
     decimals = max(1, int(np.ceil(-np.log10(1e3 * step) - 1e-9)))
@@ -94,11 +73,15 @@ def contact_text(forces: Array) -> str:
     return f"{touching} of {len(forces)} blades in contact\nlargest force on a blade\n{largest}"
 
 
-def speed_text(dataset: xr.Dataset) -> str:
-    """Return the speed as text of three lines: rad/s, rpm, multiple of the reference frequency."""
-    speed = float(dataset.attrs["speed"])
-    relative = speed / float(dataset.attrs["reference_frequency"])
-    return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
+def speed_text(reference: float, *speeds: float) -> str:
+    """Return one or several speeds [rad/s] as text of three lines: rad/s, rpm, multiple of the
+    reference frequency [rad/s]."""
+
+    def ends(scale: float) -> str:
+        each = dict.fromkeys(f"{scale * speed:.5g}" for speed in (min(speeds), max(speeds)))
+        return " to ".join(each)
+
+    return f"{ends(1.0)} rad/s\n{ends(30 / np.pi)} rpm\nΩ/ω₁ = {ends(1.0 / reference)}"
 
 
 def metres_per_newton(largest: float, size: float) -> float:

@@ -63,9 +63,11 @@ class Colouring:
 
     @property
     def scales(self) -> dict[str, Scale]:
-        """Scales of a field that have values, by their labels."""
+        """Scales of a field that have values, by their labels; without one whose values are zero
+        everywhere beside another."""
         values = {"rotor": (self.points, self.nodes), "wall": (self.casing,)}
-        shown = [name for name, given in values.items() if any(np.isfinite(v).any() for v in given)]
+        known = [name for name, given in values.items() if any(np.isfinite(v).any() for v in given)]
+        shown = [name for name in known if _largest(*values[name])] or known
         scales = {"rotor": self.disk, "wall": self.wall}
         return {f"{name} [{scales[name].unit}]": scales[name] for name in shown}
 

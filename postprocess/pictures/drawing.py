@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import rotate, unit
-from bladewhirl.postprocess.fields import kinematics
+from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.by_blade import (
     WRONG_BY_A_TENTH,
     blade_count,
@@ -53,6 +53,7 @@ class Picture:
     the exaggeration; values of fields and forces are true."""
 
     time: float  #: [s]
+    speed: float  #: speed of the rotor [rad/s]
     rotor: Ribbon  #: beams
     surface: Surface
     solids: tuple[Surface, ...]  #: the wall in space, its coating and a hub, see `Drawing.solids`
@@ -124,6 +125,7 @@ class Drawing:
         self.largest_displacement = stage.largest_displacement
         self.normalised = is_normalised(dataset)  #: whether the amplitude is arbitrary
         self.times = dataset["time"].values[records]
+        self.speeds = rotation.speeds(dataset)[records]  #: at each record [rad/s]
         every = dataset["time"].values
         self.record_step = float(every[1] - every[0]) if len(every) > 1 else 1.0
         """Time between records [s]; 1 for a single record, which any text of its time shows."""
@@ -134,7 +136,8 @@ class Drawing:
         )
         self._forces = kinematics.contact_forces(dataset, records, rotating=rotating)
         every_tip = np.zeros((len(every), dataset.sizes["contact_node"]))
-        self._lost = np.isnan(masked(dataset, every_tip)[records])
+        self.lost = np.isnan(masked(dataset, every_tip)[records])
+        """Whether each contact node is lost (record, contact_node)."""
         per_element = len(stage.angle) // dataset.sizes.get("casing_node", 1)
         self.colouring = colouring(
             dataset, body.points, colour, records, per_element, rotating=rotating
@@ -151,15 +154,19 @@ class Drawing:
         return np.asarray(np.linalg.norm(self._forces, axis=-1).sum(axis=1))
 
     @property
+    def discs(self) -> list[str]:
+        """Text with the meaning of discs, if there are any."""
+        return ["discs: contact nodes"] * bool(np.isfinite(self.colouring.nodes).any())
+
+    @property
     def dots(self) -> list[str]:
         """Text with the meaning of the dots that are seen, if any; in a film the first blade turns
         into view."""
-        nodes = ["discs: contact nodes"] * bool(np.isfinite(self.colouring.nodes).any())
         if not self.around:
-            return nodes
+            return []
         centre, blade = self.picture(0).hidden[-2:]
         seen = ["centre"] * (not centre) + ["blade 0"] * (not blade or len(self) > 1)
-        return [*nodes, *([f"dots: {' and '.join(seen)}"] if seen else [])]
+        return [f"dots: {' and '.join(seen)}"] if seen else []
 
     def linear_limit(self) -> float | None:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
@@ -191,7 +198,7 @@ class Drawing:
         shape, values = body.shape(index, *turns), colours.points[index]
         forces = self._forces[index]
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
-        hidden = np.append(self._lost[index], [False, False])
+        hidden = np.append(self.lost[index], [False, False])
         if len(shape.surface) and self.around:
             # The wall is cut open in front of the tips, whose nodes lie at its inner face.
             bodies = [(shape.surface, self.triangles)]
@@ -203,6 +210,7 @@ class Drawing:
         seen[hidden[: len(seen)]] = 0.0
         return Picture(
             time=float(self.times[index]),
+            speed=float(self.speeds[index]),
             rotor=Ribbon(sides=shape.ribbons, values=body.points.stations(values)),
             surface=Surface(points=shape.surface, values=values[: len(shape.surface), 0]),
             solids=tuple(
@@ -225,7 +233,7 @@ class Drawing:
             symbols=shape.symbols,
             forces=seen,
             tip_places=shape.tips,
-            pushes=np.where(self._lost[index, :, None], 0.0, body.turned(forces)),
+            pushes=np.where(self.lost[index, :, None], 0.0, body.turned(forces)),
             blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0),
         )
 

@@ -6,14 +6,16 @@ from typing import Any
 
 import imageio.v2 as imageio
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageColor
 
 from bladewhirl.files import replacing
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 
 FRAME_RATE = 25  #: pictures per second, 40 ms each: a multiple of the time unit of a GIF, 10 ms
-SAMPLES = 6  #: number of pictures from which the further colours of a GIF are chosen
+SAMPLES = 6  #: number of pictures from which the colours of a GIF are chosen
+FIXED = (look.BACKGROUND, look.INK, look.FAINT, look.FORCE_COLOUR, look.NO_VALUE, look.MASS_COLOUR)
+"""Colours that are in each palette."""
 
 Progress = Callable[[int, int], None]
 """Function that is called with the number of finished pictures and the number of all pictures."""
@@ -23,7 +25,6 @@ def write_pictures(
     path: Path,
     picture: Callable[[int], Pixels],
     count: int,
-    colours: Array,
     progress: Progress | None = None,
 ) -> Path:
     """Write pictures into a file and return its path. The file is a film if the path ends in .gif
@@ -37,8 +38,6 @@ def write_pictures(
         path: file to write.
         picture: function that draws the picture of a number from 0.
         count: number of pictures.
-        colours: colours in the palette of a GIF (colour, 3), between 0 and 1; further colours, such
-            as those of smoothed edges, are chosen from samples of the pictures.
         progress: called after each picture of a film.
     """
 
@@ -51,7 +50,7 @@ def write_pictures(
     with replacing(path) as draft:
         if path.suffix.lower() == ".gif":
             samples = {i: picture(i) for i in range(0, count, -(-count // SAMPLES))}
-            palette = _palette(colours, [*samples.values()])
+            palette = _palette([*samples.values()])
             frames = (
                 Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
                 for pixels in pictures(samples)
@@ -71,12 +70,12 @@ def write_pictures(
     return path
 
 
-def _palette(colours: Array, samples: list[Pixels]) -> Image.Image:
-    """Return the palette of a GIF."""
+def _palette(samples: list[Pixels]) -> Image.Image:
+    """Return the palette of a GIF: fixed colours, and those that differ least from the samples."""
     seen = np.vstack(samples).reshape(1, -1, 3)
-    drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # without colours close to white
-    kept = np.round(255 * colours).astype(np.uint8).ravel().tolist()
-    others = Image.fromarray(drawn).quantize(256 - len(colours)).getpalette() or []
+    drawn = Image.fromarray(seen[:, np.any(seen[0] < 240, axis=1)])  # not colours close to white
+    kept = [value for colour in FIXED for value in ImageColor.getrgb(colour)]
+    chosen = drawn.quantize(256 - len(FIXED), Image.Quantize.MAXCOVERAGE, kmeans=1).getpalette()
     palette = Image.new("P", (1, 1))
-    palette.putpalette((kept + others)[: 3 * 256])
+    palette.putpalette((kept + (chosen or []))[: 3 * 256])
     return palette

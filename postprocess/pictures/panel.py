@@ -29,12 +29,13 @@ TOPS = {
     "orbit": 0.475,
 }
 #: upper and lower edge of the colour scale or of the key of colours, relative to the window
-SCALE_TOP, SCALE_FOOT = 0.455, 0.085
+SCALE_TOP, SCALE_FOOT = 0.455, 0.105
 SCALE_WIDTH, SCALE_ASIDE = 0.018, 0.115  #: width of a scale, and distance of two, likewise
-TICKS = 5
+TICKS, SHORT = (5, 3), 0.15
+"""Numbers of ticks of a long and of a short scale, and the height of the latter, likewise."""
 ORBIT_SIZE = 0.17  #: size of the inset with the orbit, relative to the window
 LINE = (0.77, 0.98, 0.01, 0.036)  #: left, right, lower, upper edge of the time line, likewise
-LINE_TOP = 0.062  #: upper edge of its text
+LINE_TOP = 0.082  #: upper edge of its text
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
 BAR_FOOT, BAR_STEP = 0.044, 0.0205  #: lower edge of the text of the scale bar, and height of a line
 #: radius and sideways offset of a blade number, relative to the tip radius
@@ -78,13 +79,13 @@ class Panel:
         if sheet:
             shown.append(f"bars: {bar}")
         else:
-            shown += drawing.dots
+            shown += [*drawing.discs, *drawing.dots]
             write_bar(scene, bar)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
         self._touches = "contact_impulse" in dataset  # not in a mode
-        if dataset.attrs["speed"]:  # zero for a mode
-            write(scene.plotter, f"speed\n{look.speed_text(dataset)}", TOPS["speed"], 13)
+        self._speed = write(scene.plotter, "", TOPS["speed"], 13)
+        self._reference = float(dataset.attrs["reference_frequency"])
         write(
             scene.plotter,
             "\n".join(filter(None, [*shown, note])),
@@ -109,8 +110,9 @@ class Panel:
             write_key(scene.plotter, drawing.colouring.parts, top)
 
     def show(self, picture: Picture) -> None:
-        """Update time, contact text, blade numbers and orbit."""
+        """Update time, speed, contact text, blade numbers and orbit."""
         self._time.input = look.time_text(picture.time, self._drawing.record_step)
+        self._show_speed(picture.speed)
         if self._touches:
             self._contact.input = look.contact_text(picture.blade_forces)
         self._numbers.show(picture)
@@ -119,12 +121,17 @@ class Panel:
                 inset.show(picture.time)
 
     def show_all(self) -> None:
-        """Show the time window and the largest force of all records instead of one record."""
+        """Show the time window, speeds and the largest force of all records instead of one."""
+        self._show_speed(*self._drawing.speeds)
         first, last = 1e3 * self._drawing.times[[0, -1]]
         largest = self._drawing.largest_force
         self._time.input = f"{first:.4g} to {last:.4g} ms"
         arrows = f"arrows: contact forces,\nlargest {handy(largest, 'N', 3)}"
         self._contact.input = arrows if largest else "no contact at these times"
+
+    def _show_speed(self, *speeds: float) -> None:
+        if any(speeds):  # zero for a mode
+            self._speed.input = f"speed\n{look.speed_text(self._reference, *speeds)}"
 
 
 class Orbit:
@@ -184,7 +191,7 @@ class TimeLine:
             add_line(scene.plotter, ends + np.array([at, 0.0]), look.FORCE_COLOUR, 3.0)
         text = f"{1e3 * times[0]:.4g} to {1e3 * times[-1]:.4g} ms"
         if force.any():
-            text = f"total force, {text}, up to {handy(float(force.max()), 'N', 3)}"
+            text = f"total force, up to {handy(float(force.max()), 'N', 3)}\n{text}"
         write(scene.plotter, text, LINE_TOP, 10, color=look.FAINT)
 
     def show(self, time: float) -> None:
@@ -282,7 +289,7 @@ def write_scales(scene: StageScene, top: float) -> None:
         (west, south), (east, north) = low, high
         edge = [[west, south], [east, south], [east, north], [west, north], [west, south]]
         add_line(scene.plotter, np.array(edge), look.FAINT, 1.0)
-        for share in np.linspace(0.0, 1.0, TICKS):
+        for share in np.linspace(0.0, 1.0, TICKS[end - SCALE_FOOT < SHORT]):
             first, last = scale.limits
             tick, place = first + share * (last - first), SCALE_FOOT + share * (end - SCALE_FOOT)
             write(scene.plotter, f"{tick:.3g}", place + 0.007, 11, indent=aside + 0.025)

@@ -15,7 +15,7 @@ from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import films
-from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
+from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view, tiled
 from bladewhirl.postprocess.plotting.files import checked_target
@@ -115,8 +115,7 @@ def render_still(
     drawing = Drawing(dataset, np.array([record]), **view)
     trail = _revolution_before(dataset, record) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture:
-        colours = scene_colours(drawing.colouring, lit=bool(drawing.solids))
-        return films.write_pictures(target, picture, 1, colours)
+        return films.write_pictures(target, picture, 1)
 
 
 def render_animation(
@@ -147,9 +146,8 @@ def render_animation(
     note = f"slowed down {slower:{',.0f' if slower > 999 else '.3g'}} times" if slower > 1 else ""
     trail = np.arange(records.min(), records.max() + 1) if orbit else None
     size = size or (GIF_WINDOW if target.suffix.lower() == ".gif" else WINDOW)
-    colours = scene_colours(drawing.colouring, lit=bool(drawing.solids))
     with stage_view(dataset, drawing, size, note, trail=trail) as picture:
-        return films.write_pictures(target, picture, len(records), colours, progress)
+        return films.write_pictures(target, picture, len(records), progress)
 
 
 def render_sheet(

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
@@ -62,7 +63,7 @@ def film_page(
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
     places, shades, layout = _pack(drawing, size, progress)
     about = {
-        **_instants(drawing),
+        **_instants(dataset, drawing),
         **_looks(drawing.colouring),
         "strokes": [
             [name, width * FULL / look.MARGIN, shade]
@@ -78,6 +79,7 @@ def film_page(
         "bar": _bar(drawing, size),
         **_members(drawing.points),
         "bladeOf": dataset["blade"].values.tolist(),
+        "largestForce": handy(float(drawing.total_force.max()), "N", 3),
         "force": [float(f"{force:.4g}") for force in drawing.total_force],
     }
     colouring = drawing.colouring
@@ -87,11 +89,11 @@ def film_page(
         title=str(dataset.attrs["title"]),
         notes="\n".join(
             [
-                look.speed_text(dataset),
                 f"{drawing.frame} frame",
                 look.enlargement(drawing.exaggeration),
                 *([str(dataset.attrs[LOSS])] if LOSS in dataset.attrs else []),
-                *drawing.dots,
+                *drawing.discs,
+                *([] if len(drawing.triangles) else drawing.dots),
             ]
         ),
         key=colouring.parts and list(colouring.parts.items()),
@@ -258,14 +260,21 @@ def _metres_per_newton(drawing: Drawing, size: float) -> float:
     return look.metres_per_newton(drawing.largest_force, size / look.MARGIN)
 
 
-def _instants(drawing: Drawing) -> dict[str, Any]:
-    """Return for each picture its time, the text about contact, and 1 for each contact node in
-    contact, else 0; and the number of the picture with the largest force, which is shown first."""
+def _instants(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
+    """Return for each picture its time, texts about speed and contact, lost blades, and 1 for each
+    contact node in contact, else 0; and the picture with the largest force, which is shown first.
+    """
     pictures = [drawing.picture(index) for index in range(len(drawing))]
+    blades, reference = dataset["blade"].values, float(dataset.attrs["reference_frequency"])
     return {
         "first": int(np.argmax([np.linalg.norm(picture.forces) for picture in pictures])),
         "times": [look.time_text(time, drawing.record_step) for time in drawing.times],
+        "speeds": [
+            look.speed_text(reference, picture.speed) if picture.speed else ""
+            for picture in pictures
+        ],
         "contact": [look.contact_text(picture.blade_forces) for picture in pictures],
+        "lost": [np.unique(blades[lost]).tolist() for lost in drawing.lost],
         "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],
     }
 

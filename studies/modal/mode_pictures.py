@@ -209,7 +209,8 @@ def _film(
     name = mode_title(mode.family, mode.nodal_diameter, purity)
     on_casing = mode.body == "casing"
     does = "" if on_casing else stage.disk.tip_motions[numbers[0]]
-    title = ", ".join(filter(None, [name, does, f"{wave} wave", f"{hertz:.4g} Hz"]))
+    travels = f"{wave} wave" if on_casing or stage.case.bladed_disk.count > 1 else ""
+    title = ", ".join(filter(None, [name, does, travels, f"{hertz:.4g} Hz"]))
     title = f"casing {title}" if on_casing else title
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
     stem = mode.stem
