@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from solid_meshes import SECTORS, bladed_sector, wheel_frequencies
 
+from bladewhirl.meshes.coincident import places_of
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
-from bladewhirl.models.superelements.wheel import WheelOverSpeeds
+from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +53,19 @@ def test_rigid_motions_have_their_nodal_diameters_and_no_stiffness(free: Superel
                 assert np.abs(force).max() < 1e-9 * abs(reduced["stiffness"]).max()
                 energy = (motion[kept].conj() @ reduced["mass"] @ motion[kept]).real
                 assert energy == pytest.approx((motion.conj() @ free.mass @ motion).real)
+
+
+def test_the_surface_of_a_wheel_is_closed_without_faces_between_sectors(
+    free: Superelement,
+) -> None:
+    wheel = whole_wheel(free, SECTORS)
+    assert wheel.points is not None
+    assert wheel.triangles is not None
+    assert free.triangles is not None
+    place = places_of(wheel.points, 1e-9)[wheel.triangles]
+    edges = np.sort(place[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}
+    assert len(place) < SECTORS * len(free.triangles)
 
 
 def test_matrices_are_hermitian_and_real_where_waves_stand(free: Superelement) -> None:

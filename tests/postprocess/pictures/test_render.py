@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from bladewhirl.postprocess.pictures.colouring import scale_end
+from bladewhirl.postprocess.pictures.films import write_pictures
 from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
 from bladewhirl.postprocess.pictures.render import (
     animation_records,
@@ -23,6 +24,7 @@ from bladewhirl.postprocess.pictures.render import (
     render_still,
     strongest_contact,
 )
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
 
 SMALL = (320, 240)
 STAGE = 240  # the left three quarters of the window
@@ -112,6 +114,16 @@ class TestAnimation:
         for one, other in pairwise(frames):
             assert np.any(one != other, axis=-1).mean() > 0.02
         assert frames[0][0, 0].tolist() == [255, 255, 255]
+
+    def test_colours_of_a_gif_are_those_of_its_pictures(self, tmp_path: Path) -> None:
+        """All colours of a scale in light from dark to bright, as on turned surfaces."""
+        scale = COLOUR_MAPS["magnitude"](np.linspace(0.0, 1.0, 160))[None, :, :3]
+        lit = np.round(255 * scale * np.linspace(0.6, 1.0, 120)[:, None, None]).astype(np.uint8)
+        path = write_pictures(tmp_path / "lit.gif", lambda index: np.roll(lit, index, axis=1), 8)
+        with Image.open(path) as film:
+            apart = np.abs(np.asarray(film.convert("RGB"), dtype=np.int64) - lit).max(axis=-1)
+        assert apart.mean() < 5
+        assert (apart > 12).mean() < 0.01
 
     def test_mp4(self, result: xr.Dataset, tmp_path: Path) -> None:
         path = render_animation(result, tmp_path / "run.mp4", np.arange(100, 110), size=SMALL)

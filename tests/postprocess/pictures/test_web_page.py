@@ -64,6 +64,17 @@ def test_shades_are_true_values(result: xr.Dataset, tmp_path: Path) -> None:
     assert len(about["members"]) == result.sizes["rotor_line"]
 
 
+def test_the_speed_is_that_of_the_instant(result: xr.Dataset, tmp_path: Path) -> None:
+    time = result["time"].values
+    speed, turned = 50.0 + 900.0 * time, 50.0 * time + 450.0 * time**2
+    run_up = result.assign(rotation_speed=("time", speed), rotation_angle=("time", turned))
+    about, _, _ = page(render_page(run_up, tmp_path / "a.html", RECORDS))
+    shown = [float(text.split()[0]) for text in about["speeds"]]
+    assert shown == pytest.approx(speed[RECORDS], rel=1e-4)
+    assert np.ptp(shown) > 0.0
+    assert about["lost"] == [[], [], []]
+
+
 def test_missing_values_and_parts(result: xr.Dataset, tmp_path: Path) -> None:
     about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="gap"))
     assert np.all(shades[:, : about["nodeShades"]] == NONE)  # only contact nodes have a gap
