@@ -10,6 +10,14 @@ so that Coriolis and Euler forces are -2 Omega G q' - Omega' G q with G = i (M -
 part takes half of the polar inertia times the acceleration, as solids in rotating axes do: the
 moment of the drive then has half of its direction from the shaft's own axis and half from the fixed
 one, see the documentation.
+
+Central differences of these equations do not keep the momentum of a free line. They do if they are
+those in static axes, where z_{n+1} = zeta_{n+1} exp(i (psi + a)) with the angle a = Omega h in a
+time step h; written in zeta they have the matrices
+
+    M cos a + P (a sin a) / 2,  2 i M sin(a) / a - i P cos a,  P sin(a) / a - 2 M (1 - cos a) / a^2
+
+in place of M, of 2 i M - i P with Omega, and of P - M with Omega^2, which a zero step leaves.
 """
 
 from dataclasses import dataclass
@@ -50,14 +58,14 @@ class ReducedLine:
         plane = self.shapes.T @ force
         return np.concatenate([plane.real, plane.imag])
 
-    def coordinates(self, line: LineModel, unknowns: ComplexArray) -> FloatArray:
+    def coordinates(self, unknowns: ComplexArray) -> FloatArray:
         """Return the modal coordinates of displacements x + i y of the shaft, (modes,): those with
-        the smallest kinetic energy of the difference."""
-        size = len(self.shapes)
-        return self.forces(line.mass[:size, :size] @ unknowns[:size])
+        the smallest difference."""
+        plane = la.lstsq(self.shapes, unknowns)[0]
+        return np.concatenate([plane.real, plane.imag])
 
 
-def reduced_line(line: LineModel, speed: float, modes: int) -> ReducedLine:
+def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0.0) -> ReducedLine:
     """Return a shaft line on modes.
 
     The modes contain the static shapes of forces of the bearings, and as many modes of the line
@@ -67,6 +75,7 @@ def reduced_line(line: LineModel, speed: float, modes: int) -> ReducedLine:
         line: the shaft line.
         speed: largest speed [rad/s], to which the modes belong.
         modes: number of modes of a plane; all unknowns of the shaft if there are fewer.
+        time_step: time step of a march, in which a free line is to keep its momentum [s].
     """
     size = 2 * len(line.position)
     mass, polar, stiffness = (
@@ -75,12 +84,17 @@ def reduced_line(line: LineModel, speed: float, modes: int) -> ReducedLine:
     basis = np.eye(size)
     if modes < size:
         basis = _independent(_candidates(line, mass, polar, stiffness, speed), mass, modes)
-    at_speed = stiffness - speed**2 * (mass - polar)
+    angle = speed * time_step
+    cosine, sine, chord = float(np.cos(angle)), _sinc(angle), _sinc(angle / 2.0) ** 2
+    mass, twice, softer = (
+        cosine * mass + 0.5 * angle**2 * sine * polar,
+        2.0 * sine * mass - cosine * polar,
+        sine * polar - chord * mass,
+    )
+    at_speed = stiffness + speed**2 * softer
     squares, on_basis = la.eigh(basis.T @ at_speed @ basis, basis.T @ mass @ basis)
     shapes = basis @ on_basis
-    twice, softer, bent = (
-        shapes.T @ each @ shapes for each in (2.0 * mass - polar, polar - mass, stiffness)
-    )
+    twice, softer, bent = (shapes.T @ each @ shapes for each in (twice, softer, stiffness))
     return ReducedLine(
         speed=speed,
         squares=squares,
@@ -89,6 +103,11 @@ def reduced_line(line: LineModel, speed: float, modes: int) -> ReducedLine:
         stiffness_speed=real_form(softer),
         damping=line.table.loss_time * real_form(bent),
     )
+
+
+def _sinc(angle: float) -> float:
+    """Return sin(angle) / angle."""
+    return float(np.sinc(angle / np.pi))
 
 
 def _candidates(

@@ -40,7 +40,11 @@ class LineStage(Stage):
 
     def at(self, omega: float) -> "LineStage":
         return replace(
-            self, omega=omega, reduced=reduced_line(self.line, omega, self.line.table.modes)
+            self,
+            omega=omega,
+            reduced=reduced_line(
+                self.line, omega, self.line.table.modes, self.case.march.time_step
+            ),
         )
 
     @cached_property
@@ -332,10 +336,10 @@ def build_line(case: Case) -> LineStage:
         column=np.full(supports, -1),
         dampers=np.zeros((0, supports)),
     )
-    omega = line.speed
-    reduced = reduced_line(line, omega, line.table.modes)
+    omega, case = line.speed, case.in_seconds(line.reference_frequency)
+    reduced = reduced_line(line, omega, line.table.modes, case.march.time_step)
     return LineStage(
-        case=case.in_seconds(line.reference_frequency),
+        case=case,
         casing=case_casing(case),
         casing_modes=no_modes(),
         reduced_casing=wall,

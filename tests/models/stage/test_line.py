@@ -63,7 +63,8 @@ def stage_of(case: Case) -> LineStage:
 
 def marched(case: Case, step: float, end: float) -> tuple[FloatArray, Chunk]:
     """Deflections x and y of all nodes at the last record, (nodes, 2), and the records."""
-    scheme = CentralDifference(contact_problem(build_stage(case)), step, 10)
+    stage = build_stage(with_values(case, {"march.time_step": step}))
+    scheme = CentralDifference(contact_problem(stage), step, 10)
     chunk = scheme.advance(scheme.init(), round(end / step) + 1)[1]
     return chunk.shaft_displacement[-1, :, :2], chunk
 
@@ -121,7 +122,7 @@ def test_second_order_of_the_step_towards_the_motion_in_static_axes(march: dict[
         found, chunk = marched(case, step, end)
         errors.append(np.abs(found - exact).max() / np.abs(exact).max())
         assert ledger_residual(chunk) < 1e-9
-    assert errors[1] < 2e-5
+    assert errors[1] < 3e-7
     assert 3.7 < errors[0] / errors[1] < 4.3
 
 
@@ -138,7 +139,7 @@ def test_sag_is_a_state_of_rest() -> None:
         case = line_case({"speed": speed}, unbalance=[])
         _, chunk = marched(case, 2e-6, 0.02)
         moved = chunk.shaft_displacement
-        assert np.abs(moved - moved[0]).max() < 1e-6 * np.abs(moved).max()
+        assert np.abs(moved - moved[0]).max() < 1e-7 * np.abs(moved).max()
         weight = -stage_of(case).line.weight(1j)[:-1:2].sum()
         np.testing.assert_allclose(chunk.bearing_force[-1].sum(axis=0)[1], -9.81 * weight.imag)
         assert chunk.support_displacement[-1, 0, 1] < 0.0
@@ -167,51 +168,63 @@ def test_reversed_speed_is_the_mirror_image() -> None:
     np.testing.assert_allclose(found * [1, -1], expected, rtol=0, atol=1e-9 * abs(expected).max())
 
 
-def free_line(tilt: float, step: float) -> tuple[LineStage, Chunk]:
-    """A tilted line without bearings and with a free speed."""
-    march = {"speed": "3000 rpm", "drive": {"inertia": 0.0}, "displacement_limit": 1.0}
-    stage = stage_of(line_case(march, gravity=False, unbalance=[], loss_time=0.0))
+FREE = {"speed": "3000 rpm", "drive": {"inertia": 0.0}, "displacement_limit": 1.0}
+
+
+def free_line(
+    march: dict[str, Any], tilt: float, every: int, modes: int
+) -> tuple[LineStage, Chunk]:
+    """A tilted line without bearings, with records every `every` steps in 0.04 s."""
+    case = line_case(march, gravity=False, unbalance=[], loss_time=0.0, modes=modes)
+    stage, step = stage_of(case), case.march.time_step
     problem = contact_problem(stage)
     tilted = np.zeros(2 * len(stage.line.position), dtype=np.complex128)
     tilted[0::2], tilted[1::2] = stage.line.position - 0.3, 1.0
-    start = tilt * stage.reduced.coordinates(stage.line, tilted * (1.0 + 0.5j))
+    start = tilt * stage.reduced.coordinates(tilted * (1.0 + 0.5j))
     moving = Start.of_rotor(start, 400.0 * start[::-1], len(stage.casing_rest))
     assert problem.bearings is not None
     nothing = 0.0 * problem.bearings.stiffness
     free = replace(problem.bearings, stiffness=nothing, damping=nothing)
-    scheme = CentralDifference(replace(problem, start=moving, bearings=free), step, 100)
+    scheme = CentralDifference(replace(problem, start=moving, bearings=free), step, every)
     return stage, scheme.advance(scheme.init(), round(0.04 / step) + 1)[1]
 
 
 def test_a_free_tilted_line_keeps_its_momentum_about_the_axis() -> None:
-    stage, chunk = free_line(0.05, 2e-6)
+    stage, chunk = free_line(FREE | {"time_step": 2e-6}, 0.05, 100, modes=100)
     assert np.ptp(chunk.rotation_speed) > 1e-3 * stage.speed
     momentum, total = chunk.angular_momentum, chunk.energy + chunk.rotor_energy
     assert np.ptp(momentum) < 1e-10 * abs(momentum[0])
     assert np.ptp(total) < 3e-6 * abs(total[0])  # Coriolis forces half a step late, see `speed.h`
 
 
-def test_a_free_tilted_line_keeps_its_momentum_across_the_axis() -> None:
-    """In static axes, with an error of second order in the step; the tilt is so small that the
-    third order of the motion, which linear equations lack, is below it."""
-    changes = []
-    for step in (4e-6, 2e-6):
-        stage, chunk = free_line(1e-6, step)
-        size, modes = 2 * len(stage.line.position), len(stage.reduced.squares)
-        mass, polar = (each[:size, :size] for each in (stage.line.mass, stage.line.polar))
-        rigid = np.zeros((size, 2))
-        rigid[0::2] = np.stack([np.ones(size // 2), stage.line.position - 0.3], axis=1)
-        rigid[1::2, 1] = 1.0
-        place, rate = (
-            (each[:, :modes] + 1j * each[:, modes:]) @ stage.reduced.shapes.T
-            for each in (chunk.rotor_displacement, chunk.rotor_velocity)
-        )
-        speed, turn = (each[:, None] for each in (chunk.rotation_speed, chunk.rotation_angle))
-        moving = rate + 1j * speed * place
-        momentum = np.exp(1j * turn) * (moving @ mass - 1j * speed * (place @ polar)) @ rigid
-        changes.append(np.abs(momentum - momentum[0]).max(axis=0) / np.abs(momentum[0]))
-    assert (changes[1] < 1e-5).all()
-    np.testing.assert_allclose(changes[0] / changes[1], 4.0, rtol=0.05)
+@pytest.mark.parametrize(
+    ("march", "tolerance"),
+    [
+        ({"speed": "3000 rpm", "displacement_limit": 1.0, "time_step": 5e-5}, 1e-10),
+        (FREE | {"time_step": 1e-5}, 2e-9),
+    ],
+    ids=["constant", "free"],
+)
+def test_a_free_tilted_line_keeps_its_momentum_across_the_axis(
+    march: dict[str, Any], tolerance: float
+) -> None:
+    """In static axes, to rounding, which is a larger part of the small changes in short steps: M z'
+    - i W P z for the translation and the rotation about a point. The tilt is so small that the
+    third order of the motion, which linear equations lack, is below the tolerance."""
+    stage, chunk = free_line(march, 1e-6, 1, modes=6)
+    size, modes = 2 * len(stage.line.position), len(stage.reduced.squares)
+    mass, polar = (each[:size, :size] for each in (stage.line.mass, stage.line.polar))
+    rigid = np.zeros((size, 2))
+    rigid[0::2] = np.stack([np.ones(size // 2), stage.line.position - 0.3], axis=1)
+    rigid[1::2, 1] = 1.0
+    moved = chunk.rotor_displacement
+    place = (moved[:, :modes] + 1j * moved[:, modes:]) @ stage.reduced.shapes.T
+    place *= np.exp(1j * stage.speed * chunk.time)[:, None]
+    rate, mean = np.diff(place, axis=0) / march["time_step"], (place[1:] + place[:-1]) / 2.0
+    momentum = (rate @ mass - 1j * stage.speed * (mean @ polar)) @ rigid
+    changes = np.abs(momentum - momentum[0]).max(axis=0) / np.abs(momentum[0])
+    assert (changes < tolerance).all()
+    assert (np.abs(np.diff(momentum, axis=0)) > 0.0).any()
 
 
 def test_the_kernel_marches_a_line_with_a_free_speed_as_numpy() -> None:
