@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -12,7 +12,6 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.case.joint import Joint
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.models.stage.forced import ForcedRotor, forced_rotor
@@ -30,6 +29,24 @@ def axes(normal: Sequence[float] | FloatArray) -> FloatArray:
     return np.column_stack([n, first, np.cross(n, first)])
 
 
+class JointNodes(NamedTuple):
+    """Pairs of nodes of joints, which each blade has with the next one."""
+
+    left: IntArray  #: nodes on the clockwise side of a blade, (pairs,)
+    right: IntArray  #: nodes on its counter-clockwise side, (pairs,)
+    joint: IntArray  #: number of the joint of each pair, (pairs,)
+    axes: FloatArray  #: see `axes`, (pairs, 3, 3)
+
+
+def joint_nodes(stage: Matrices) -> JointNodes:
+    """Return the pairs of nodes of the joints of a stage."""
+    sides = [stage.table.joint_nodes(joint) for joint in stage.case.joint]
+    left, right = (np.concatenate(each) for each in zip(*sides, strict=True))
+    joint = np.repeat(np.arange(len(sides)), [len(side[0]) for side in sides])
+    turned = np.stack([axes(each.direction) for each in stage.case.joint])
+    return JointNodes(left, right, joint, turned[joint])
+
+
 def jointed_wheel(stage: Matrices) -> JointedWheel:
     """Return the tuned wheel of a case with joints at the speed of the stage.
 
@@ -39,18 +56,9 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
     """
     case, table, rotor = stage.case, stage.table, stage.rotor
     own = table.copies if table.kind != "blade" else 1
-    pairs = [table.joint_nodes(joint) for joint in case.joint]
     nodes = stage.part.contacts // own
-    sides = [list(chain.from_iterable(side)) for side in zip(*pairs, strict=True)]
-    turned = la.block_diag(
-        *(
-            np.kron(np.eye(len(left)), axes(joint.direction).T)
-            for joint, (left, _) in zip(case.joint, pairs, strict=True)
-        )
-    )
-    rows = np.zeros((2 * len(turned), DIRECTIONS * nodes))
-    for side, part in enumerate(np.split(rows, 2)):
-        part[:, _places(sides[side])] = (1.0, -1.0)[side] * turned
+    pairs = joint_nodes(stage)
+    rows, joint = _rows(pairs, nodes), pairs.joint
     assert rotor.compliance is not None  # the case has a massless boundary
     modes = rotor.contact.shape[1]
     contact = rotor.contact.reshape(own, DIRECTIONS * nodes, modes)
@@ -63,10 +71,9 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
     forced = forced_rotor(stage, loads)
     loaded = tuple(dict.fromkeys(number for load in loads for number in load.points))
     points, by_force = _points(stage, loaded)
-    tips = _places(np.setdiff1d(np.arange(nodes), np.concatenate(sides)).tolist())
+    tips = _places(np.setdiff1d(np.arange(nodes), np.concatenate([pairs.left, pairs.right])))
     points = np.vstack([points, rotor.contact[tips]])
     by_force = np.vstack([by_force, rotor.compliance[0][tips]])
-    joint = np.repeat(np.arange(len(pairs)), [len(left) for left, _ in pairs])
     wheel = JointedWheel(
         names=tuple(each.name for each in case.joint),
         joint=joint,
@@ -84,12 +91,22 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
         loaded=loaded,
         points_by_force=by_force.reshape(len(by_force), own, DIRECTIONS * nodes) @ rows.T,
     )
-    return replace(wheel, gap=_gaps(wheel, case.joint, stage))
+    return replace(wheel, gap=overclosures(stage, pairs))
 
 
-def _places(nodes: Sequence[int]) -> IntArray:
+def _rows(pairs: JointNodes, nodes: int) -> FloatArray:
+    """Return the matrix from the displacements of the nodes of a blade to (A^T u_left, -A^T
+    u_right), see `wheel`, (2 * values, 3 * nodes)."""
+    turned = la.block_diag(*pairs.axes.swapaxes(1, 2))
+    rows = np.zeros((2 * len(turned), DIRECTIONS * nodes))
+    for sign, side, part in zip((1.0, -1.0), pairs[:2], np.split(rows, 2), strict=True):
+        part[:, _places(side)] = sign * turned
+    return rows
+
+
+def _places(nodes: IntArray) -> IntArray:
     """Return the numbers of the displacements of nodes, (3 * nodes,)."""
-    return np.asarray((DIRECTIONS * np.asarray(nodes)[:, None] + np.arange(DIRECTIONS)).ravel())
+    return np.asarray((DIRECTIONS * nodes[:, None] + np.arange(DIRECTIONS)).ravel())
 
 
 def _static(forced: ForcedRotor, order: int, nodes: int) -> ComplexArray:
@@ -146,30 +163,44 @@ def _check_alike(stage: Matrices, loads: Sequence[EngineOrder], flexible: FloatA
         )
 
 
-def _gaps(wheel: JointedWheel, joints: Sequence[Joint], stage: Matrices) -> FloatArray:
-    """Return the gaps at rest of the nodes of joints; each preload is the sum of the forces on the
-    nodes of its joint, whose overclosure is the same [m], (nodes,).
+def overclosures(stage: Matrices, pairs: JointNodes) -> FloatArray:
+    """Return the gaps of the nodes of joints without displacements; each preload is the sum of the
+    forces on the nodes of its joint, whose overclosure is the same [m], (nodes,).
+
+    Args:
+        stage: stage with joints.
+        pairs: its pairs of nodes.
 
     Raises:
         CaseError: a preload is not possible.
     """
-    given = [each.gap or -(each.overclosure or 0.0) for each in joints]
+    joints, joint = stage.case.joint, pairs.joint
+    gap = np.array([each.gap or -(each.overclosure or 0.0) for each in joints])
     pressed = [n for n, each in enumerate(joints) if each.preload]
-    gap = np.array(given)
     if pressed:
-        inside = np.isin(wheel.joint, pressed)
-        normal = wheel.flexibility(0, 0.0)[::DIRECTIONS, ::DIRECTIONS].real[inside][:, inside]
-        member = (wheel.joint[inside][:, None] == pressed).astype(np.float64)
+        inside = np.isin(joint, pressed)
+        normal = _alike(stage, pairs)[::DIRECTIONS, ::DIRECTIONS][inside][:, inside]
+        member = (joint[inside][:, None] == pressed).astype(np.float64)
         stiff = np.linalg.solve(normal, member)
         force = np.array([joints[n].preload for n in pressed])
         closing = np.linalg.solve(member.T @ stiff, force)
         gap[pressed] = -closing
         least = stiff @ closing
         for place, n in enumerate(pressed):
-            if not (closing[place] > 0.0 and least[wheel.joint[inside] == n].min() >= 0.0):
+            if not (closing[place] > 0.0 and least[joint[inside] == n].min() >= 0.0):
                 expected = (
                     "a force that presses all nodes of the joint; these blades would lift off at"
                     " one of them, so that overclosure has to be given"
                 )
                 raise CaseError([case_fault(stage.case, f"joint.{n}.preload", expected)])
-    return gap[wheel.joint]
+    return np.asarray(gap[joint])
+
+
+def _alike(stage: Matrices, pairs: JointNodes) -> FloatArray:
+    """Return the static displacements of the nodes of a joint by forces on them, the same on all
+    blades, which are as stiff as the file [m/N], (values, values)."""
+    reduced, own = stage.reduced, stage.blade_angle.shape[1]
+    left, right = np.split(_rows(pairs, stage.part.contacts // own), 2)
+    rows = np.tile(left + right, own)
+    static = reduced.compliance + (reduced.contact / reduced.squares) @ reduced.contact.T
+    return np.asarray(rows @ static @ rows.T / own)

@@ -159,6 +159,13 @@ class StageArrays:
     plane)."""
     bearing_name: tuple[str, ...] = ()  #: name of each bearing of a shaft line, (bearings,)
     bearing_node: IntArray = absent()  #: its node of the shaft, (bearings,)
+    joint_name: tuple[str, ...] = ()  #: name of the joint of each pair of nodes, (pairs,)
+    joint_blade: IntArray = absent()  #: blade of each pair, whose next blade it touches, (pairs,)
+    joint_end: IntArray = absent()
+    """Contact nodes of each pair: on the next blade and on the blade, (pairs, 2)."""
+    joint_gap: FloatArray = absent()  #: gap of each pair without displacements [m], (pairs,)
+    joint_axes: FloatArray = absent()
+    """Normal and two tangents of each pair: radial, tangential, axial, (pairs, 3, 3)."""
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

@@ -70,7 +70,7 @@ def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:
     with numbers_within_reach(case):
         steady = _steady_problem(stage, loads)
         problem = with_speed_over_time(stage, steady)
-        _check_start(stage, problem)
+        check_start(stage, problem)
         if case.blade_loss is not None:
             problem = replace(problem, loss=stage.without_blades(steady, problem))
         return with_fused_support(stage, problem)
@@ -125,7 +125,7 @@ def _steady_problem(stage: Stage, loads: tuple[Load, ...]) -> ContactProblem:
     )
 
 
-def _check_start(stage: Stage, problem: ContactProblem) -> None:
+def check_start(stage: Stage, problem: ContactProblem) -> None:
     """Check the gaps at the start of a contact problem of a stage.
 
     Raises:
@@ -155,9 +155,6 @@ def march_faults(stage: Stage, loads: tuple[Load, ...], *, steps: bool = True) -
         yield case_fault(case, "reduction.modes", expected)
     if steps:
         yield from time_step_faults(stage)
-        if case.joint:
-            expected = "not allowed in a march, which has no joints: bladewhirl periodic has them"
-            yield case_fault(case, "joint", expected)
     yield from stage.own_faults()
     if stage.coating is not None:
         yield from rod_faults(case, stage.coating, stage.speed)

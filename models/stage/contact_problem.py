@@ -21,6 +21,7 @@ from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.bearings import Bearings
 from bladewhirl.models.stage.foreshortening import Foreshortening
+from bladewhirl.models.stage.joint_contacts import JointContacts
 from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.varying_speed import FreeSpeed, Rotation, SpeedChange
@@ -60,6 +61,7 @@ class ContactProblem:
     that of each contact node of a copy, (nodes,)."""
     change: SpeedChange | None = None  #: None for a constant speed
     drive: FreeSpeed | None = None  #: None for a prescribed speed
+    joints: JointContacts | None = None  #: friction joints between blades
     loss: "LostBlades | None" = None  #: None if no blade is lost
     fuse: "FusedSupport | None" = None  #: None if no support fuses
 
@@ -123,6 +125,8 @@ class ContactProblem:
             ValueError: the energy of free motion need not decay; the message states the reason.
         """
         rotor, casing = self.rotor, self.casing
+        if self.joints is not None:
+            raise ValueError("joints tie the blades together")
         static = self.springs is not None or self.bearings is not None
         if static or rotor.anisotropy or rotor.circulation:
             raise ValueError("springs or dampers in the static frame can feed energy to the rotor")

@@ -162,6 +162,19 @@ def forces_of_order(load: EngineOrder, stage: Stage) -> list[tuple[int, ComplexA
     return by_order(load, stage.unit_forces(load), stage.blade_angle)
 
 
+def left_out(load: EngineOrder, stage: Stage) -> dict[int, ComplexArray]:
+    """Return for each engine order r the complex displacements of the contact nodes by the modes
+    that are left out, radial, tangential and axial, see `forces_of_order` [m], (3 * nodes,)."""
+    answer = stage.static_answer(load)
+    if answer is None:
+        return {}
+    copies = np.asarray(stage.factor)[:, None]
+    return {
+        order: (flat.reshape(len(copies), -1) / copies).ravel()
+        for order, flat in by_order(load, answer, stage.blade_angle)
+    }
+
+
 def by_order(
     load: EngineOrder, acting: FloatArray, angle: FloatArray
 ) -> list[tuple[int, ComplexArray]]:

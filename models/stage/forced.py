@@ -11,7 +11,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL
-from bladewhirl.models.stage.excitations import by_order, forces_of_order
+from bladewhirl.models.stage.excitations import forces_of_order, left_out
 from bladewhirl.models.stage.loads import blade_means
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.stage import Stage
@@ -129,10 +129,8 @@ def forced_rotor(stage: Stage, loads: EngineOrders) -> ForcedRotor:
     for load in loads:
         for order, force in forces_of_order(load, stage):
             forces[order] = forces.get(order, 0.0) + force
-        answer = stage.static_answer(load)
-        for order, flat in () if answer is None else by_order(load, answer, stage.blade_angle):
-            moved = flat.reshape(stage.rotor.copies, -1) / stage.factor[:, None]
-            static[order] = static.get(order, 0.0) + moved
+        for order, moved in left_out(load, stage).items():
+            static[order] = static.get(order, 0.0) + moved.reshape(stage.rotor.copies, -1)
     return ForcedRotor(
         rotor=stage.rotor,
         forces=forces,

@@ -132,6 +132,10 @@ class Matrices(Stage):
             centre=centre,
             by_velocity=self.by_velocity(self.speed),
         )
+        if case.joint:
+            nodes = np.arange(self.part.contacts)
+            tips = self.tips if len(self.tips) < len(nodes) else nodes[:0]
+            rotor = replace(rotor, joined=np.setdiff1d(nodes, tips))
         if not centre.any():
             return rotor
         static = case.shaft.damping_frame == "static"
@@ -292,8 +296,8 @@ class Matrices(Stage):
         friction locks against the wall."""
         if self.case.joint:
             yield (
-                "joints act in bladewhirl periodic only: modes and responses are those of blades"
-                " without joints"
+                "joints act in marches and in bladewhirl periodic: modes and responses are those of"
+                " blades without joints"
             )
         if left_out := self.table.left_out:
             yield (

@@ -1,8 +1,9 @@
 """A bladed disk in modal coordinates, in its rotating frame."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import evenly_spaced
@@ -49,6 +50,8 @@ class ReducedRotor:
     normal_share: float | FloatArray = 1.0
     """Part of radial lengths that is normal to the wall at each tip of a copy, where the slope of
     the wall varies, (tips,); a slope common to all tips is in the clearance."""
+    joined: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Contact nodes of a copy that are in friction joints and do not touch the wall, (joined,)."""
     circulation: float = 0.0
     """Damping at the centre in the static frame, times the speed [N/m]. In rotating axes a
     displacement (x, y) of the centre causes the force `circulation` times (y, -x)."""
@@ -156,14 +159,25 @@ class ReducedRotor:
         return np.concatenate([rows @ own for own in self.by_copy(displacement)])
 
     @property
+    def all_contact(self) -> sp.csr_array:
+        """Displacements of the tips of all copies [kg^-1/2], (3 * all tips, all modes)."""
+        return sp.block_diag([self.contact] * self.copies, format="csr")
+
+    @property
     def highest_frequency(self) -> float:
         """Highest frequency of the modes [rad/s]. Tips without mass are then fixed in each
         direction with a residual flexibility."""
         if self.compliance is None:
             return float(np.abs(self.frequency).max(initial=0.0))
         squares, contact = self.by_copy(self.frequency) ** 2, self.contact
-        alike = bool((squares == squares[0]).all())
-        found = zip(squares, self.compliance, strict=True)
+        alike, flexible = bool((squares == squares[0]).all()), self.compliance
+        if len(self.joined):
+            at_wall = np.setdiff1d(np.arange(len(contact) // 3), self.joined)
+            if not len(at_wall):
+                return float(np.sqrt(squares.max(initial=0.0)))
+            kept = (3 * at_wall[:, None] + np.arange(3)).ravel()
+            contact, flexible = contact[kept], flexible[:, kept[:, None], kept]
+        found = zip(squares, flexible, strict=True)
         chosen = [next(found)] if alike else list(found)
         return max(stiffest(square, contact, compliance) for square, compliance in chosen)
 

@@ -26,7 +26,8 @@ SOURCES = {
 class Works(TypedDict):
     """Works since the start [J]; work that adds energy to the motion is positive.
 
-    The sum of load, normal, friction, springs and damping is the rise of the energy of the motion.
+    The sum of load, normal, friction, springs, joints and damping is the rise of the energy of the
+    motion.
     The drive keeps the speed constant against the torque of the contact forces, see `drive_work`.
     """
 
@@ -35,6 +36,7 @@ class Works(TypedDict):
     closing: float | None  #: part of `normal` that stops tips as gaps close; None if unknown
     friction: float
     springs: float | None  #: work of turning the rotor against stationary springs; None if unknown
+    joints: float | None  #: work of friction joints between blades; None without joints
     damping: float
     drive: float | None  #: None if unknown
     heat: float  #: energy lost as heat of rubbing
@@ -58,10 +60,16 @@ def works(dataset: xr.Dataset) -> Works:
         closing=known("closing"),
         friction=friction,
         springs=known("coupling"),
+        joints=float(_joint_work(dataset)[-1]) if "joint_work" in dataset else None,
         damping=-last("damping"),
         drive=None if np.isnan(drive) else drive,
         heat=heat,
     )
+
+
+def _joint_work(dataset: xr.Dataset) -> Array:
+    """Return the work of friction joints on the blades since the start [J], (time,)."""
+    return np.asarray(-dataset["joint_work"].values.sum(axis=1))
 
 
 LEDGER = {
@@ -71,6 +79,7 @@ LEDGER = {
     "normal": ("normal forces", COLOURS["contact"]),
     "friction": ("friction", COLOURS["total"]),
     "springs": ("stationary springs", COLOURS["other k"]),
+    "joints": ("friction joints", COLOURS["k = 1"]),
     "damping": ("damping", COLOURS["casing"]),
 }
 """Works of the energy balance, with their names and colours. `normal`, the sum of `closing` and
@@ -93,6 +102,8 @@ def work_histories(dataset: xr.Dataset) -> xr.Dataset:
     }
     if "coupling_work" in dataset:
         terms["springs"] = dataset["coupling_work"]
+    if "joint_work" in dataset:
+        terms["joints"] = xr.DataArray(_joint_work(dataset), dims="time")
     if "closing_work" in dataset and not dataset["closing_work"].isnull().any():
         terms["closing"] = dataset["closing_work"]
         terms["passing"] = terms.pop("normal") - dataset["closing_work"]

@@ -228,14 +228,16 @@ def energy_residual(dataset: xr.Dataset) -> float:
     """Return the largest error of the energy balance relative to its largest term; 0 at rest.
 
     At every record, energy - energy_0 = external + normal + friction + coupling work - damping
-    work. Works are since the first record, energy_0 is the energy at the first record, and the
-    damping work is positive.
+    work - work of joints. Works are since the first record, energy_0 is the energy at the first
+    record, and damping and joints take positive work.
     """
     works = {
         name: dataset.variables[f"{name}_work"].values
         for name in ("external", "normal", "friction", "coupling", "damping")
         if f"{name}_work" in dataset  # not every march has the work of a coupling
     }
+    if "joint_work" in dataset:
+        works["joints"] = -dataset.variables["joint_work"].values.sum(axis=1)
     energy = dataset.variables["energy"].values
     since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
     taken = since.pop("damping")

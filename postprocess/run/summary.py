@@ -23,6 +23,7 @@ from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
+from bladewhirl.postprocess.run.joint_contact import JointFigures, joint_figures
 from bladewhirl.postprocess.run.measures import MARCH_REPORT, MEASURES, Motion
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.wear import wear_summary
@@ -145,6 +146,7 @@ class Summary:
     steps: int
     wall_time: float  #: [s]
     us_per_step: float  #: [µs]
+    joints: dict[str, JointFigures] = field(default_factory=dict)  #: friction joints by name
     wear: dict[str, Any] = field(default_factory=dict)
     """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
 
@@ -206,6 +208,7 @@ def summarise(
         stress_max=None if peaks is None else extremes.stress_peaks(peaks),
         stress_split=None if peaks is None else extremes.stress_split(peaks),
         contact_share=(contact_steps / max(measured["steps"], 1)).tolist(),
+        joints=joint_figures(dataset),
         wear=wear,
         unsolved_impulse_share=_unsolved(dataset, "impulse", float(impulse.sum())),
         unsolved_wear_share=_unsolved(dataset, "wear", wear.get("wear_volume", 0.0)),

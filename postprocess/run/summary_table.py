@@ -23,6 +23,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
     """Return the rows of the summary, with rounded values in convenient units."""
     work = summary.work
     springs = "" if work["springs"] is None else f" springs {_text(work['springs'], 'J')},"
+    joints = "" if work["joints"] is None else f" joints {_text(work['joints'], 'J')},"
     return {
         "regime": regime_title(summary.regime, judged=summary.growth_rate is not None),
         "because": summary.regime_criterion.rpartition("Here: ")[2],
@@ -36,12 +37,13 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         **_energies(summary.strain_energy_final),
         **_known("casing's strain energy, final", summary.strain_energy_casing_final, "J"),
         "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
-        f" friction {_text(work['friction'], 'J')},{springs} damping"
+        f" friction {_text(work['friction'], 'J')},{springs}{joints} damping"
         f" {_text(work['damping'], 'J')}",
         **_drive(summary),
         **_contact_force(summary),
         **_stresses(summary),
         **_contact(summary),
+        **_joints(summary),
         **_wear(summary),
         "energy residual": f"{summary.energy_residual:.3g}",
         "complementarity residual": f"{summary.complementarity_residual:.3g}",
@@ -166,6 +168,17 @@ def unsolved_share(summary: Summary) -> str:
 def _doubtful(share: float) -> str:
     """Return a mark for a number of which unsolved steps have a share."""
     return f" (unsolved steps have {share:.2g} of it)" if share else ""
+
+
+def _joints(summary: Summary) -> dict[str, str]:
+    """Return a row for each friction joint: forces and states over the last third, and sums."""
+    return {
+        f"joint {name}": f"normal force up to {_text(own['largest_normal_force'], 'N')}, tangential"
+        f" {_text(own['largest_tangential_force'], 'N')}; open {own['share_open']:.0%}, stuck"
+        f" {own['share_stuck']:.0%}, slipping {own['share_slipping']:.0%} of the last third; slip"
+        f" {_text(own['slip'], 'm')}, work taken {_text(own['work'], 'J')}"
+        for name, own in summary.joints.items()
+    }
 
 
 def _wear(summary: Summary) -> dict[str, str]:

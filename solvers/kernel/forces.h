@@ -43,7 +43,7 @@ static void blade_columns(const March *m, int64_t size, const double *ratio, con
     ContactScratch *c = &m->scratch->contact;
     int64_t each = rotor->own.layers / DIRECTIONS, wide = c->factor.columns, half = rotor->half;
     int64_t width = c->blades.columns;
-    int directions = rotor->full > 0.0 ? 3 : 2;
+    int directions = rotor->axial > 0.0 ? 3 : 2;
     double *factor = c->factor.at;
     for (int64_t i = 0; i < each; i++) {
         double *sums = c->blades.at + DIRECTIONS * i * width;
@@ -142,19 +142,19 @@ static void push_blades(const March *m, int64_t size, const double *ratio, const
     const Rotor *rotor = m->stage.rotor;
     blade_columns(m, size, ratio, force);
     twice[0] = twice[1] = 0.0;
-    int plain = rotor->answer.layers == 0 && !(rotor->full > 0.0);
+    int plain = rotor->answer.layers == 0 && !(rotor->axial > 0.0);
     for (int64_t node = 0; node < rotor->own.layers / DIRECTIONS; node++)
         if (plain && !rotor->crosses.at[DIRECTIONS * node])
             respond_blades(m, node, 0, 0, 0, old, x, twice);
         else
-            respond_blades(m, node, rotor->answer.layers > 0, 1, rotor->full > 0.0, old, x, twice);
+            respond_blades(m, node, rotor->answer.layers > 0, 1, rotor->axial > 0.0, old, x, twice);
 }
 
-/* Add the response of the modes of the wanted copies to contact forces to modal coordinates x. */
-static void push_copies(const March *m, const double *force, double *x)
+/* Add the response of the modes of the wanted copies to contact forces to modal coordinates x, with the
+ * inverse of the matrix A of `g` unless it is NULL. */
+static void push_copies(const March *m, const double *force, const Gyroscopic *g, double *x)
 {
     const Rotor *rotor = m->stage.rotor;
-    const Gyroscopic *g = rotor->massless > 0.0 ? NULL : m->stage.gyroscopic;
     double *modal = m->scratch->nodes.modal.at;
     int64_t width = rotor->contact.rows, modes = rotor->contact.columns;
     int64_t entries = m->x.entries / rotor->copies;

@@ -5,12 +5,50 @@
 
 #include "forces.h"
 
+/* Return whether a contact node can touch the wall, as it is in no joint. */
+static inline int at_wall(const March *m, int64_t node)
+{
+    return !m->stage.joints || !m->stage.joints->joined.at[node];
+}
+
+/* Part of the forces of joints at steps n + 1, n, n - 1 and n - 2 in those that act on the modes at step
+ * n; see `joints.h`. */
+static const double JOINT_PARTS[] = {0.4, 0.3, 0.2, 0.1};
+
+/* Return the displacements of nodes times forces of joints, as forces on the nodes: a part of those at
+ * step n + 1, or of those before. */
+static void spread_joints(const Joints *joints, const double *force, double part, double *out)
+{
+    for (int64_t end = 0; end < joints->node.size; end++) {
+        const double *axes = joints->axes.at + DIRECTIONS * DIRECTIONS * end;
+        const double *own = force + DIRECTIONS * (end / 2);
+        double *to = out + DIRECTIONS * joints->node.at[end];
+        for (int k = 0; k < DIRECTIONS; k++)
+            for (int direction = 0; direction < DIRECTIONS; direction++)
+                to[direction] += part * axes[DIRECTIONS * k + direction] * own[k];
+    }
+}
+
+/* Return the forces of step n and before that act on the modes at step n. */
+static const double *acting_forces(const March *m)
+{
+    const Joints *joints = m->stage.joints;
+    const State *state = m->state;
+    double *out = m->scratch->joints.acting.at;
+    for (int64_t i = 0; i < state->force.rows * state->force.columns; i++)
+        out[i] = at_wall(m, i / DIRECTIONS) ? state->force.at[i] : 0.0;
+    for (int64_t past = 0; past < state->joint_force.rows; past++)
+        spread_joints(joints, state->joint_force.at + past * state->joint_force.columns,
+                      JOINT_PARTS[past + 1], out);
+    return out;
+}
+
 /* Return whether any node of a copy has a contact force. */
 static int is_pushed(const Rotor *rotor, const double *force, int64_t copy)
 {
     int64_t width = rotor->compliance.rows;
-    for (int64_t i = copy * width; i < (copy + 1) * width; i += DIRECTIONS)
-        if (force[i] < 0.0)
+    for (int64_t i = copy * width; i < (copy + 1) * width; i++)
+        if (force[i] != 0.0)
             return 1;
     return 0;
 }
@@ -35,14 +73,16 @@ static void want_listed(const March *m, int64_t size)
         s->wanted.at[s->list.at[i] / count] = 1;
 }
 
-/* Return the work of forces in a direction on the wanted copies for a component of displacements. */
-static double work_of(const March *m, int direction, const double *force, const double *moved)
+/* Return the work of forces in a direction on the wanted copies for a component of displacements, on
+ * all nodes or on those that can touch the wall. */
+static double work_of(const March *m, int direction, const double *force, const double *moved, int all)
 {
     int64_t copies = m->stage.rotor->copies, count = m->stage.rotor->compliance.rows / DIRECTIONS;
     double sum = 0.0;
     for (int64_t copy = 0; copy < copies; copy++)
         for (int64_t n = copy * count; m->scratch->nodes.wanted.at[copy] && n < (copy + 1) * count; n++)
-            sum += force[DIRECTIONS * n + direction] * moved[n];
+            if (all || at_wall(m, n))
+                sum += force[DIRECTIONS * n + direction] * moved[n];
     return sum;
 }
 
@@ -68,23 +108,32 @@ static void store_change(Motion x, const double *from, double *out)
         store(out + i, sub(load(x.new + i), load(from + i)));
 }
 
-/* Add the response to the contact forces on massless nodes at step n. */
-static void add_node_forces(const March *m)
+/* Add the response to forces on massless nodes to x_{n+1}; with a matrix A that is not diagonal, it is
+ * computed with its inverse or, if `inverse` is NULL, later. */
+static void add_response(const March *m, const double *force, const Gyroscopic *inverse)
 {
-    const double *force = m->state->force.at;
     NodeScratch *s = &m->scratch->nodes;
     int64_t size = 0;
-    if (!m->held || !want_pushed(m, force))
+    if (!want_pushed(m, force))
         return;
     if (m->stage.rotor->half == 0) {
-        push_copies(m, force, m->x.new);
+        push_copies(m, force, inverse, m->x.new);
         return;
     }
     for (int64_t n = 0; n < s->listed.size; n++)
-        if (force[DIRECTIONS * n + RADIAL] < 0.0)
+        if (force[DIRECTIONS * n + RADIAL] != 0.0 || !at_wall(m, n))
             s->list.at[size++] = n;
     double ignored[2];
     push_blades(m, size, NULL, force, m->x.now, m->x.new, ignored);
+}
+
+/* Add the response to the contact forces on massless nodes at step n. */
+static void add_node_forces(const March *m)
+{
+    if (m->stage.joints)
+        add_response(m, acting_forces(m), NULL);
+    else if (m->held)
+        add_response(m, m->state->force.at, NULL);
 }
 
 /* Find the element under each node and its Hermite weights at x_{n+1}. The angle of a node follows
@@ -182,6 +231,8 @@ static void find_slip(const March *m, int64_t size)
         node_field(rotor, direction, f->change.at, &s->wanted, f, f->moved.at);
         if (rotor->massless > 0.0 && m->held)
             add_flexible(rotor, direction, &s->wanted, m->state->force.at, -1.0, f->moved.at);
+        if (m->stage.joints)
+            add_flexible(rotor, direction, &s->wanted, m->scratch->joints.on_nodes.at, 1.0, f->moved.at);
         for (int64_t i = 0; i < size; i++)
             s->slide.at[DIRECTIONS * i + direction] = f->moved.at[s->list.at[i]];
     }

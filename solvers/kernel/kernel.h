@@ -106,7 +106,27 @@ typedef struct {
                          * top of what the clearance contains */
     double massless;    /* 1 if the nodes have no mass; forces then act in the next step */
     double full;        /* 1 if friction is opposite to the slip velocity, otherwise it is tangential */
+    double axial;       /* 1 if forces on nodes have axial parts */
 } Rotor;
+
+/* Sums of a pair of nodes of a joint: steps in each state since the last record; slip [m], and the
+ * energy that the pair takes, the part of it by slip [J], since the start. */
+enum { JOINT_OPEN, JOINT_STUCK, JOINT_SLIPPING, JOINT_SLIP, JOINT_WORK, JOINT_WEAR, JOINT_SUMS };
+
+/* Friction joints between nodes without mass, see `joints.h`. A pair has two ends, its left node on the
+ * next blade and its right node, and three values: along the normal and two tangents. */
+typedef struct {
+    IntVector node;    /* (ends) contact node at each end */
+    Cube axes;         /* (ends, 3, 3) values of the pair for unit displacements of the node */
+    IntVector joined;  /* (tips) 1 for nodes in pairs */
+    Vector friction;   /* (pairs) friction coefficient */
+    Vector gap;        /* (pairs) gap without displacements, negative if they overlap [m] */
+    Vector soft;       /* (pairs) flexibility of the natural map [m/N] */
+    Matrix compliance; /* (values, wide_values) for each unit force, change of all values [m/N] */
+    Matrix modal;      /* (values, wide_values) the part of it due to the modes */
+    Matrix given;      /* (patterns, values) values due to the load patterns and the modes that are
+                        * left out [m] */
+} Joints;
 
 /* A matrix over the modes of the rotor. On a cyclic rotor it consists of blocks R and X: from the
  * values f_c and f_s of a cosine column and its sine column, the cosine modes get R f_c + X f_s, the
@@ -349,6 +369,10 @@ typedef struct {
                        * of each node */
     Vector drive;    /* (drive_numbers) DRIVE_BEFORE ... of a free speed */
     Vector until;    /* (bent_tips) last step of the linearisation of each tip */
+    Matrix joint_force; /* (3, joint_values) forces of joints at steps n, n - 1 and n - 2 [N] */
+    Matrix joint_place; /* (3, joint_values) displacements of joints at step n, and the part of them
+                         * due to the modes at steps n and n - 1 [m] */
+    Matrix joint_sums;  /* (pairs, joint_sums) JOINT_OPEN ... */
     Matrix checked;  /* (3, bent_wide) opening at the last check, and its first and second
                       * differences between checks [m] */
 } State;
@@ -374,6 +398,9 @@ typedef struct {
     Matrix coating_impulse; /* (records, coated_tips) normal impulse on the coating */
     Matrix rotation;        /* (records, rotation_numbers) ANGLE ... if the speed varies */
     Matrix drive;           /* (records, drive_numbers) DRIVE_BEFORE ... of a free speed */
+    Matrix joint_force;     /* (records, joint_values) forces of joints */
+    Matrix joint_place;     /* (records, joint_values) displacements of joints */
+    Matrix joint_sums;      /* (records, all_joint_sums) sums of joints */
     Vector rotor_energy;    /* (driven_records) energy of the rotation half a step before the record,
                              * which `energy` lacks, of a free speed [J] */
 } Records;
@@ -392,6 +419,7 @@ typedef struct {
     const Drive *drive;           /* or NULL */
     const Fuse *fuse;             /* or NULL */
     const Bearings *bearings;     /* or NULL */
+    const Joints *joints;         /* or NULL */
     const Numbers *numbers;
 } Stage;
 

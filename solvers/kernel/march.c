@@ -88,6 +88,8 @@ static inline void account(March *m, int64_t step, int touching)
     double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
     state->counts.at[STEP_CONTACTS] = 0.0;
     account_nodes(m, touching, gap, before);
+    if (m->stage.joints)
+        account_joints(m);
     for (int64_t j = 0; j < state->gap.size; j++) {
         before[j] = gap[j];
         state->gap.at[j] = smaller(state->gap.at[j], gap[j]);
@@ -184,6 +186,8 @@ int march(const Stage *stage, State *state, Records *records, Vector arena, int6
             within = keeps_limit(&m) && (!stage->bearings || bearings_keep_limit(&m));
         if (step % record_every == 0 || !within) {
             stored += energy[0] + flexible_energy(&m);
+            if (stage->joints)
+                record_joints(&m, records, written);
             if (stage->speed)
                 stored += record_speed(&m, records, written);
             if (stage->drive)

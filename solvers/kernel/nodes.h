@@ -28,6 +28,7 @@
 
 #include "compliance.h"
 #include "gaps.h"
+#include "joints.h"
 
 /* Collect the state of the nodes of the list before their contact forces are computed. */
 static void collect(const March *m, int64_t size)
@@ -62,7 +63,7 @@ static void push_bodies(March *m, int64_t size, const double *ratio)
         m->drawn = push_along(m->stage.foreshortening, s->list.at, size, s->multiplier.at,
                               rotor->body.c.at, m->x.new, &m->scratch->bending);
     if (rotor->half == 0) {
-        push_copies(m, s->force.at, m->x.new);
+        push_copies(m, s->force.at, m->stage.gyroscopic, m->x.new);
         return;
     }
     push_blades(m, size, ratio, s->force.at, m->x.old, m->x.new, twice);
@@ -194,7 +195,8 @@ static int64_t touch_copies(March *m, int64_t first, int64_t last, const double 
     for (int64_t n = first * count; n < last * count; n++) {
         int touches = f->free_gap.at[n] < 0.0
                       || (m->stage.coating && m->scratch->rods.near.at[n] == 2);
-        s->listed.at[n] = touches || m->state->force.at[DIRECTIONS * n + RADIAL] < 0.0;
+        s->listed.at[n] =
+            touches || (m->state->force.at[DIRECTIONS * n + RADIAL] < 0.0 && at_wall(m, n));
         touching += touches;
         if (s->listed.at[n])
             s->list.at[size++] = n;
@@ -220,33 +222,16 @@ static int64_t touch_copies(March *m, int64_t first, int64_t last, const double 
     return size;
 }
 
-/* Compute x_{n+1} with contact of the nodes. Returns whether x_{n+1} is within the displacement
- * limit; `touching` gets the number of nodes in contact or near it. */
-static int solve_nodes(March *m, int64_t step, int64_t *touching)
+/* Compute the contact of nodes inside the wall. Returns whether x_{n+1} is within the displacement limit;
+ * `touching` gets the number of nodes in contact or near it. */
+static int touch_wall(March *m, double later, const double *recess, int64_t *touching)
 {
     const Rotor *rotor = m->stage.rotor;
     const Casing *casing = m->stage.casing;
-    NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
-    BendScratch *bending = &m->scratch->bending;
     int64_t together = casing->modes > 0 ? rotor->copies : 1, count = f->element.size;
-    double later = (double)(step + 1) * m->stage.numbers->time_step;
     int touches = 0;
     *touching = 0;
-    place_nodes(m);
-    const double *recess = recess_at(rotor, m->stage.closure, later, f);
-    if (!find_free_gaps(m, recess))
-        return 0;
-    if (m->stage.foreshortening) {
-        if (bend_tips(m->stage.foreshortening, rotor, m->state, f->free_gap.at, step + 1, m->x, f,
-                      bending))
-            s->known.at[0] = -1;
-        open_gaps(bending, m->x.new, f->free_gap.at);
-    }
-    if (m->pushed)
-        for (int64_t i = 0; i < s->force.rows * s->force.columns; i++)
-            s->force.at[i] = 0.0;
-    m->pushed = m->drawn = 0;
     if (m->stage.coating)
         touches = find_rods(m, later);
     for (int64_t n = 0; n < count; n++)
@@ -267,6 +252,74 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
     return 1;
 }
 
+/* Compute the contact at the wall and in the joints, in turn until the forces at the wall do not change.
+ * The result is that of `touch_wall`. */
+static int touch_all(March *m, int64_t step, const double *recess, int64_t *touching)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    FieldScratch *f = &m->scratch->fields;
+    JointScratch *j = &m->scratch->joints;
+    double later = (double)(step + 1) * m->stage.numbers->time_step;
+    double change = 0.0, largest = 0.0;
+    int64_t forces = j->wall.size, turn = 0;
+    int solved = 1;
+    free_pairs(m, step);
+    *touching = 0;
+    do {
+        wall_pairs(m, *touching > 0);
+        solved = solve_joints(m);
+        push_nodes(m);
+        for (int64_t i = 0; i < forces; i++)
+            j->wall.at[i] = s->force.at[i];
+        if (*touching > 0 && m->stage.casing->modes > 0)
+            take_back(m, *touching);
+        for (int64_t i = 0; i < forces; i++)
+            s->force.at[i] = 0.0;
+        if (!touch_wall(m, later, recess, touching))
+            return 0;
+        change = largest = 0.0;
+        for (int64_t i = 0; i < forces; i++) {
+            change = larger(change, fabs(s->force.at[i] - j->wall.at[i]));
+            largest = larger(largest, fabs(s->force.at[i]));
+        }
+    } while (change > SAME_FORCES * largest && ++turn < TURNS);
+    for (int64_t i = 0; i < forces; i++)
+        s->force.at[i] += j->on_nodes.at[i];
+    if (!solved || turn == TURNS)
+        m->state->counts.at[UNSOLVED] += 1.0;
+    m->pushed = 1;
+    return 1;
+}
+
+/* Compute x_{n+1} with contact of the nodes. Returns whether x_{n+1} is within the displacement
+ * limit; `touching` gets the number of nodes in contact or near it. */
+static int solve_nodes(March *m, int64_t step, int64_t *touching)
+{
+    const Rotor *rotor = m->stage.rotor;
+    NodeScratch *s = &m->scratch->nodes;
+    FieldScratch *f = &m->scratch->fields;
+    BendScratch *bending = &m->scratch->bending;
+    double later = (double)(step + 1) * m->stage.numbers->time_step;
+    *touching = 0;
+    place_nodes(m);
+    const double *recess = recess_at(rotor, m->stage.closure, later, f);
+    if (!find_free_gaps(m, recess))
+        return 0;
+    if (m->stage.foreshortening) {
+        if (bend_tips(m->stage.foreshortening, rotor, m->state, f->free_gap.at, step + 1, m->x, f,
+                      bending))
+            s->known.at[0] = -1;
+        open_gaps(bending, m->x.new, f->free_gap.at);
+    }
+    if (m->pushed)
+        for (int64_t i = 0; i < s->force.rows * s->force.columns; i++)
+            s->force.at[i] = 0.0;
+    m->pushed = m->drawn = 0;
+    if (m->stage.joints)
+        return touch_all(m, step, recess, touching);
+    return touch_wall(m, later, recess, touching);
+}
+
 /* Add the works of the contact forces on the rotor in the step, unless `push_blades` computes them. */
 static void contact_works(const March *m)
 {
@@ -276,13 +329,14 @@ static void contact_works(const March *m)
     const double *before = m->state->force.at, *force = s->force.at;
     double *work = m->state->work.at, *moved = f->moved.at;
     int massless = rotor->massless > 0.0;
-    int directions = rotor->full > 0.0 ? DIRECTIONS : 2;
+    int directions = rotor->axial > 0.0 ? DIRECTIONS : 2;
     int64_t width = rotor->compliance.rows, all = 0;
     int64_t *wanted = s->wanted.at;
     for (int64_t copy = 0; copy < rotor->copies; copy++) {
         wanted[copy] = 0;
         for (int64_t i = copy * width; i < (copy + 1) * width; i += DIRECTIONS)
-            wanted[copy] |= force[i] < 0.0 || (massless && before[i] < 0.0);
+            wanted[copy] |= (force[i] < 0.0 || (massless && before[i] < 0.0))
+                            && at_wall(m, i / DIRECTIONS);
         all |= wanted[copy];
     }
     if (!all)
@@ -294,9 +348,9 @@ static void contact_works(const March *m)
             add_flexible(rotor, direction, &s->wanted, force, 1.0, moved);
             add_flexible(rotor, direction, &s->wanted, before, -1.0, moved);
         }
-        double sum = work_of(m, direction, force, moved);
+        double sum = work_of(m, direction, force, moved, 0);
         if (massless)
-            sum += work_of(m, direction, before, moved);
+            sum += work_of(m, direction, before, moved, 0);
         work[direction == RADIAL ? NORMAL : FRICTION] += 0.5 * sum;
     }
 }
@@ -329,7 +383,7 @@ static void account_nodes(March *m, int touching, const double *gap, const doubl
         wear_rods(m, gap);
     for (int64_t n = 0; n < state->touched.size; n++) {
         const double *force = s->force.at + DIRECTIONS * n;
-        if (!(force[RADIAL] < 0.0))
+        if (!(force[RADIAL] < 0.0) || !at_wall(m, n))
             continue;
         contacts++;
         state->touched.at[n] += 1.0;
@@ -366,9 +420,9 @@ static double flexible_energy(const March *m)
     for (int direction = 0; direction < DIRECTIONS; direction++) {
         node_field(rotor, direction, f->change.at, &m->scratch->nodes.wanted, f, f->moved.at);
         add_flexible(rotor, direction, &m->scratch->nodes.wanted, force, 1.0, f->moved.at);
-        energy += 0.5 * work_of(m, direction, force, f->moved.at);
+        energy += 0.5 * work_of(m, direction, force, f->moved.at, 0);
     }
-    return energy;
+    return m->stage.joints ? energy + joint_energy(m) : energy;
 }
 
 #endif

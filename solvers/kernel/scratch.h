@@ -193,6 +193,27 @@ typedef struct {
     Vector turn;      /* cosine and sine of psi at n */
 } BearingScratch;
 
+/* Joints. */
+typedef struct {
+    Matrix acting;     /* forces of step n and before that act on the modes, by copy */
+    Matrix on_nodes;   /* forces of the joints on the nodes, by copy */
+    Vector predicted;  /* displacements x_{n+1} without forces of joints at step n + 1 */
+    Vector wall;       /* forces of the wall on the nodes in the last round */
+    Vector modal;      /* displacements due to the modes */
+    Vector free;       /* displacements without contact forces */
+    Vector base;       /* displacements with the forces of the wall */
+    Vector moved;      /* displacements with all forces */
+    Vector force;      /* forces at step n + 1 */
+    Vector direction;  /* unit vectors along tangential forces of pairs that slip */
+    Vector share;      /* friction limit of these pairs divided by the trial force */
+    IntVector state;   /* JOINT_OPEN ... of each pair */
+    IntVector closed;  /* values of closed pairs */
+    Vector amplitude;  /* factor of each load pattern at step n + 1 */
+    Vector radial;     /* radial displacements of the nodes due to the modes [m] */
+    Vector gap;        /* gaps at the wall of these displacements [m] */
+    ContactScratch system; /* equations of closed pairs */
+} JointScratch;
+
 typedef struct {
     FieldScratch fields;
     ContactScratch contact;
@@ -203,6 +224,7 @@ typedef struct {
     PieceScratch pieces;
     SpeedScratch speed;
     BearingScratch bearings;
+    JointScratch joints;
     Vector turned;       /* modal forces on the rotor */
     Vector amplitude;    /* factor of each load pattern */
     Vector stroke;       /* displacement of each damper in two steps */
@@ -378,6 +400,34 @@ static void lay_speed(Arena *a, const Stage *g, const State *state, SpeedScratch
     s->coupled = vector(a, g->drive ? spun : 0);
 }
 
+static void lay_joints(Arena *a, const Stage *g, const State *state, JointScratch *s)
+{
+    int64_t values = state->joint_force.columns, pairs = values / DIRECTIONS, wide = padded(values);
+    int64_t nodes = g->joints ? g->rotor->position.size : 0;
+    s->acting = matrix(a, g->joints ? g->rotor->copies : 0, g->rotor->compliance.rows);
+    s->predicted = vector(a, g->joints ? state->rotor.columns : 0);
+    s->modal = vector(a, wide);
+    s->on_nodes = matrix(a, g->joints ? g->rotor->copies : 0, g->rotor->compliance.rows);
+    s->wall = vector(a, g->joints ? state->force.rows * state->force.columns : 0);
+    s->free = vector(a, values);
+    s->base = vector(a, values);
+    s->moved = vector(a, wide);
+    s->force = vector(a, values);
+    s->direction = vector(a, 2 * pairs);
+    s->share = vector(a, pairs);
+    s->state = integers(a, pairs);
+    s->closed = integers(a, values);
+    s->amplitude = vector(a, g->joints ? g->numbers->loads.rows : 0);
+    s->radial = vector(a, nodes);
+    s->gap = vector(a, nodes);
+    s->system.system = matrix(a, values + 1, wide);
+    s->system.others = matrix(a, values, wide);
+    s->system.solution = vector(a, values);
+    for (int64_t n = 0; a->at && n < values; n++)
+        for (int64_t i = 0; i < values; i++)
+            s->system.others.at[n * wide + i] = i != n;
+}
+
 /* Give all working arrays their places in an arena. */
 static void lay_scratch(Arena *a, const Stage *g, const State *state, Scratch *s)
 {
@@ -397,6 +447,7 @@ static void lay_scratch(Arena *a, const Stage *g, const State *state, Scratch *s
     lay_pieces(a, group, &s->pieces);
     lay_speed(a, g, state, &s->speed);
     lay_bearings(a, g, &s->bearings);
+    lay_joints(a, g, state, &s->joints);
     s->turned = vector(a, state->rotor.columns);
     s->amplitude = vector(a, g->numbers->loads.rows);
     s->stroke = vector(a, most);

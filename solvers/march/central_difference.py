@@ -28,6 +28,7 @@ from bladewhirl.solvers.march.march import (
 from bladewhirl.solvers.packing.arrangement import load_times
 from bladewhirl.solvers.packing.casing import pack_casing, pack_closure, pack_coating
 from bladewhirl.solvers.packing.foreshortening import pack_foreshortening
+from bladewhirl.solvers.packing.joints import pack_joints
 from bladewhirl.solvers.packing.rotor import (
     DIRECTIONS,
     blade_columns,
@@ -72,7 +73,8 @@ class CentralDifference:
     ) -> None:
         check_time_step(problem, time_step)
         self._problem, self._time_step, self._record_every = problem, time_step, record_every
-        self._columns = blade_columns(problem.rotor) if cyclic else None
+        turns = problem.joints is not None and problem.rotor.by_velocity is not None
+        self._columns = blade_columns(problem.rotor) if cyclic and not turns else None
         self.cyclic = self._columns is not None, cyclic and problem.casing.by_harmonics
         rotor, self._rotor = pack_rotor(problem, time_step, self._columns)
         casing, self._casing = pack_casing(
@@ -94,6 +96,7 @@ class CentralDifference:
             "closure": pack_closure(problem.closure),
             "coating": pack_coating(problem),
             "foreshortening": pack_foreshortening(problem, rotor, time_step, cyclic=self.cyclic[0]),
+            "joints": pack_joints(problem, time_step),
             "numbers": _numbers(problem, time_step),
         }
         self._stage["speed"] = pack_speed(problem, rotor, self._stage, self._pack_coupled)
@@ -139,6 +142,13 @@ class CentralDifference:
             arrangement.unpack(arrays[name][0])
             for arrangement, name in zip(self._arrangements, ("rotor", "casing"), strict=True)
         )
+        if (joints := problem.joints) is not None:
+            acting = [load.amplitude(0.0, turned, problem.speed) for load in problem.loads]
+            rows = joints.rows(len(problem.rotor.tip_angle)) @ problem.rotor.all_contact
+            for row, displacement in ((1, problem.start.rotor), (2, rotor)):
+                arrays["joint_place"][row] = rows @ displacement.ravel()
+            arrays["joint_place"][0] = joints.start + acting @ joints.by_load
+            arrays["joint_force"][:] = joints.start_force
         earlier = replace(problem, start=replace(problem.start, rotor=rotor, casing=casing))
         arrays["gaps"][:] = arrays["gap"], earlier.initial_gap(-dt)
         return state
@@ -265,7 +275,12 @@ class CentralDifference:
         tips, coating = len(self._problem.rotor.tip_angle), self._problem.coating
         copies, bending = self._problem.rotor.copies, self._stage["foreshortening"]
         tracks, rods = (0, 0) if coating is None else coating.strain.shape
+        pairs = 0 if self._problem.joints is None else len(self._problem.joints.ends)
         return {
+            "pairs": pairs,
+            "joint_values": DIRECTIONS * pairs,
+            "joint_sums": lib.JOINT_SUMS,
+            "all_joint_sums": lib.JOINT_SUMS * pairs,
             "rotation_numbers": lib.ROTATION_NUMBERS if self._problem.change is not None else 0,
             "drive_numbers": 0 if self._problem.drive is None else lib.DRIVE_NUMBERS,
             "rotor_entries": rotor.entries,
@@ -317,6 +332,7 @@ class CentralDifference:
             **self._line_records(written),
             **self._drive_records(written),
             **self._node_records(written),
+            **self._joint_records(written),
         )
 
     def _line_records(self, written: int) -> dict[str, FloatArray]:
@@ -387,6 +403,22 @@ class CentralDifference:
             "contact_displacement": moved.reshape(written, tips, DIRECTIONS),
             "contact_force": force.reshape(written, tips, DIRECTIONS).copy(),
             "axial_impulse": records.axial[:written].copy(),
+        }
+
+    def _joint_records(self, written: int) -> dict[str, FloatArray]:
+        """Return the records of friction joints, if there are any."""
+        joints, records = self._problem.joints, self._records
+        if joints is None:
+            return {}
+        shape = written, len(joints.ends)
+        sums = records.joint_sums[:written].reshape(*shape, lib.JOINT_SUMS)
+        return {
+            "joint_force": records.joint_force[:written].reshape(*shape, DIRECTIONS).copy(),
+            "joint_displacement": records.joint_place[:written].reshape(*shape, DIRECTIONS).copy(),
+            "joint_steps": sums[..., : lib.JOINT_SLIPPING + 1].copy(),
+            "joint_slip": sums[..., lib.JOINT_SLIP].copy(),
+            "joint_work": sums[..., lib.JOINT_WORK].copy(),
+            "joint_wear": sums[..., lib.JOINT_WEAR].copy(),
         }
 
     def _coating_records(self, written: int, after: KernelState) -> CoatingRecords | None:

@@ -108,6 +108,21 @@ class Chunk:
     """Energy lost by the torque of losses [J], (records,); empty as above."""
     braking_work: FloatArray = absent()
     """Work of contact forces and static dampers on the rotation [J], (records,); empty as above."""
+    joint_force: FloatArray = absent()
+    """Normal and two tangential forces of each pair of joint nodes on the next blade [N], (records,
+    pairs, 3)."""
+    joint_displacement: FloatArray = absent()
+    """Displacement of the next blade relative to a blade at each pair, along the normal and two
+    tangents [m], (records, pairs, 3)."""
+    joint_steps: FloatArray = absent()
+    """Number of steps in which each pair was open, stuck and slipping since the previous record,
+    (records, pairs, 3)."""
+    joint_slip: FloatArray = absent()
+    """Distance that each pair slipped since the start [m], (records, pairs)."""
+    joint_work: FloatArray = absent()
+    """Energy that each pair took from the blades since the start [J], (records, pairs)."""
+    joint_wear: FloatArray = absent()
+    """Energy that slip of each pair dissipated since the start [J], (records, pairs)."""
     coating: CoatingRecords | None = None  #: None without a coating
 
     @property

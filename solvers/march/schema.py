@@ -58,7 +58,7 @@ class Variable(NamedTuple):
     motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
     "gauges", "stress" at points, a flexible "casing", a "speed" that varies, "critical" speeds in
     its range, a known "inertia" of the rotation, a "drive" of a free speed, sudden "changes" of the
-    rotor, or a shaft "line"; "" for every stage."""
+    rotor, a shaft "line", or friction "joints"; "" for every stage."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

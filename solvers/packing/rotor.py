@@ -103,6 +103,7 @@ def pack_rotor(
         compliance=aligned_copy(compliance),
         massless=float(flexible is not None),
         full=float(problem.sliding == "full"),
+        axial=float(problem.sliding == "full" or problem.joints is not None),
         **arrays,
         **_places(problem),
     )

@@ -43,7 +43,7 @@ def attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 def divergence(prepared: Prepared, chunk: Chunk) -> str:
     """Describe the violation of the displacement limit at the end of the last chunk of a march."""
     problem = prepared.problem
-    who, detail = chunk.beyond(problem, prepared.stage.arrays, prepared.timing.time_step)
+    who, detail = chunk.beyond(problem, prepared.arrays, prepared.timing.time_step)
     limit = f"march.displacement_limit = {problem.displacement_limit:g} m"
     return f"{who} passed {limit} at {chunk.time[-1]:.6g} s{detail}"
 

@@ -9,6 +9,8 @@ import numpy as np
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.joints.contacts import with_joint_arrays, with_joints
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import Buildable, build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.mass_scaling import screening_problem
@@ -33,6 +35,11 @@ class Prepared:
     timing: Timing
     scheme: Scheme[Any]
     stop: FreeMotion | None = None  #: rule by which the march ends early; None: no early end
+
+    @property
+    def arrays(self) -> StageArrays:
+        """Arrays of the stage in a result, with its joints."""
+        return with_joint_arrays(self.stage, self.problem)
 
 
 def prepare(given: Buildable, change: Change | None = None) -> Prepared:
@@ -81,11 +88,11 @@ def screened(problem: ContactProblem, timing: Timing) -> tuple[ContactProblem, T
 
 
 def problem_of(stage: Stage) -> ContactProblem:
-    """Return the contact problem of a stage, see `build.contact_problem`.
+    """Return the contact problem of a stage with its joints, see `build.contact_problem`.
 
     Raises:
         CaseError: all errors that prevent time integration.
         UserError: a number is not finite.
     """
     _finite(stage.arrays)
-    return _finite(contact_problem(stage))
+    return _finite(with_joints(stage, contact_problem(stage)))

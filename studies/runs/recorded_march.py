@@ -127,7 +127,7 @@ def march_in_memory(
     from bladewhirl.postprocess.fields.result import result_of  # loads xarray
 
     attributes = march_texts.attributes(prepared, dumps_case(prepared.stage.case))
-    records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room, casing)
+    records = Records(prepared.arrays, attributes, prepared.timing.records, room, casing)
     prepared.scheme.records_casing = casing
     chunk_steps = CHUNK_STEPS
     if prepared.stop is None:  # which is asked after every chunk
@@ -218,7 +218,7 @@ def _recorder(
     """Yield a recorder of the result that contains the records before a checkpoint."""
     attributes = march_texts.attributes(prepared, case_text)
     if begin is None:
-        with Recorder(path, prepared.stage.arrays, attributes) as recorder:
+        with Recorder(path, prepared.arrays, attributes) as recorder:
             yield recorder
         return
     from bladewhirl.postprocess.fields.result import open_result, portions  # loads xarray
@@ -227,7 +227,7 @@ def _recorder(
         with replacing(path) as draft, open_result(path) as earlier:
             if earlier.sizes["time"] < begin.records:
                 raise UserError(f"{path}: expected the {begin.records} records of the checkpoint")
-            recorder = stack.enter_context(Recorder(draft, prepared.stage.arrays, attributes))
+            recorder = stack.enter_context(Recorder(draft, prepared.arrays, attributes))
             if "wear_time" in earlier:
                 reached = int(begin.state["step"]) * prepared.timing.time_step
                 kept = np.flatnonzero(earlier["wear_time"].values <= reached)
@@ -293,4 +293,4 @@ def check_room(directory: Path, needed: int) -> None:
 
 def expected_bytes(prepared: Prepared) -> int:
     """Return the size of the result on disk if the march completes [bytes]."""
-    return result_bytes(prepared.stage.arrays, prepared.timing, prepared.problem.coating)
+    return result_bytes(prepared.arrays, prepared.timing, prepared.problem.coating)

@@ -12,6 +12,7 @@ from joint_cases import tables
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
+from bladewhirl.studies.runs.run import resume
 
 
 def case(folder: Path, **joint: Any) -> bw.Case:
@@ -55,9 +56,36 @@ def test_a_name_selects_a_joint_and_a_file_keeps_it(tmp_path: Path) -> None:
     assert again.joint == given.joint
 
 
-def test_a_march_has_no_joints(tmp_path: Path) -> None:
-    with pytest.raises(bw.CaseError, match="periodic"):
-        bw.run(case(tmp_path), tmp_path / "run")
+def test_a_run_has_joints_and_goes_on_to_the_last_bit(tmp_path: Path) -> None:
+    own_tables = tables(tmp_path, preload="3 N") | {
+        "reduction": {"free_interface_modes": 8},
+        "damping": {"ratio": 0.1},
+        "march": {"speed": "3000 rpm", "time_step": "20 us", "duration": "40 ms"},
+    }
+    given = bw.case_from(own_tables)
+    whole = bw.run(given, tmp_path / "whole", frames=0)
+    own = whole.summary.joints["shroud"]
+    assert own["largest_normal_force"] > 3.0
+    assert own["share_open"] + own["share_stuck"] + own["share_slipping"] == pytest.approx(1.0)
+    assert whole.summary.work["joints"] == pytest.approx(-own["work"])
+    assert whole.summary.energy_residual < 1e-8
+    bw.run(bw.with_values(given, {"march.duration": 0.02}), tmp_path / "part", frames=0)
+    resume(tmp_path / "part", ["march.duration=0.04"], frames=0)
+    results = [bw.open_result(tmp_path / name / "result.nc") for name in ("whole", "part")]
+    for name in ("joint_force", "joint_work", "joint_steps", "rotor_displacement"):
+        one, other = (result[name].values for result in results)
+        assert np.array_equal(one, other)
+
+
+def test_a_speed_that_varies_has_no_joints(tmp_path: Path) -> None:
+    own = tables(tmp_path) | {"reduction": {"free_interface_modes": 8}}
+    own["march"] = {
+        "run_up": {"from": "3000 rpm", "to": "3100 rpm", "start": 0.0, "end": 1.0},
+        "duration": 1.0,
+    }
+    given = bw.case_from(own)
+    with pytest.raises(bw.CaseError, match=r"\[\[joint\]\]"):
+        bw.run(given, tmp_path / "run")
 
 
 def test_the_command_lists_points_and_joints(tmp_path: Path) -> None:

@@ -1,0 +1,45 @@
+"""Friction joints between the blades of a run: forces, states, slip and work of each joint."""
+
+from typing import TypedDict
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.windows import late_part
+
+
+class JointFigures(TypedDict):
+    """Key figures of a joint on all blades."""
+
+    largest_normal_force: float  #: of a pair of nodes at the records of the last third [N]
+    largest_tangential_force: float  #: likewise [N]
+    share_open: float  #: share of the steps of the last third in which pairs are open
+    share_stuck: float  #: share in which they stick
+    share_slipping: float  #: share in which they slip
+    slip: float  #: largest distance that a pair slipped since the start [m]
+    work: float  #: energy that the joint took from the blades since the start [J]
+    wear_energy: float  #: energy that slip dissipated since the start [J]
+
+
+def joint_figures(dataset: xr.Dataset) -> dict[str, JointFigures]:
+    """Return the key figures of the joints of a result by name."""
+    if "joint_force" not in dataset:
+        return {}
+    late, last, found = late_part(dataset), dataset.isel(time=-1), {}
+    names = dataset["joint_name"].values
+    for name in dict.fromkeys(names.tolist()):
+        own = np.flatnonzero(names == name)
+        force = late["joint_force"].values[:, own]
+        steps = late["joint_steps"].values[:, own].sum(axis=(0, 1), dtype=np.float64)
+        shares = (steps / max(steps.sum(), 1.0)).tolist()
+        found[name] = JointFigures(
+            largest_normal_force=float(force[..., 0].max()),
+            largest_tangential_force=float(np.hypot(force[..., 1], force[..., 2]).max()),
+            share_open=shares[0],
+            share_stuck=shares[1],
+            share_slipping=shares[2],
+            slip=float(last["joint_slip"].values[own].max()),
+            work=float(last["joint_work"].values[own].sum()),
+            wear_energy=float(last["joint_wear"].values[own].sum()),
+        )
+    return found

@@ -1,0 +1,155 @@
+"""Marches with joints against linear limits, an independent march, and the contact law."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from joint_cases import BLADES, blade, tables
+from joint_march import Wheel
+
+import bladewhirl as bw
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.joints.build import jointed_wheel
+from bladewhirl.models.stage.build import build_stage
+from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.postprocess.run.measures import energy_residual
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+
+MODES, ORDER, RECORDS = 8, 2, 64
+
+
+def case(
+    folder: Path, steps: int, turns: int, changes: dict[str, Any] | None = None, **joint: Any
+) -> bw.Case:
+    """A case of so many steps in a turn, of which some are recorded."""
+    own = tables(folder, **joint) | {
+        "reduction": {"free_interface_modes": MODES},
+        "damping": {"ratio": 0.1},
+        "march": {
+            "speed": "3000 rpm",
+            "revolutions": turns,
+            "steps_per_revolution": steps,
+            "record_step": 0.02 / RECORDS,
+        },
+    }
+    for key, value in (changes or {}).items():
+        own[key] = own[key] | value if isinstance(own.get(key), dict) else value
+    return bw.case_from(own)
+
+
+def marched(given: bw.Case) -> xr.Dataset:
+    data, report = march_in_memory(prepare(given))
+    assert report["unsolved_steps"] == 0
+    return data
+
+
+def amplitude(moved: FloatArray, order: int) -> ComplexArray:
+    """Amplitude of an engine order in the last turn of histories, (time, ...)."""
+    late = moved[-RECORDS:]
+    return np.asarray(np.fft.fft(late, axis=0)[order] * 2.0 / RECORDS)
+
+
+@pytest.mark.parametrize(
+    ("joint", "held"),
+    [
+        ({"friction": 1e4, "preload": "1 kN"}, [0, 1, 2]),
+        ({"friction": 0.0, "preload": "1 kN"}, [0]),
+        ({"gap": "20 mm"}, []),
+    ],
+    ids=["stuck", "frictionless", "free"],
+)
+def test_limits_are_linear(tmp_path: Path, joint: dict[str, Any], held: list[int]) -> None:
+    stage = build_stage(case(tmp_path, 512, 1, **joint))
+    assert isinstance(stage, Matrices)
+    given = jointed_wheel(stage)
+    flexible = given.flexibility(ORDER, ORDER * given.speed)
+    force = np.zeros(given.values, dtype=np.complex128)
+    if held:
+        own = flexible[np.ix_(held, held)]
+        force[held] = np.linalg.solve(own, -given.unloaded(ORDER)[held])
+    exact = np.abs(given.at_points(ORDER, force)[-1])  # the tip, which is contact node 2
+    coarse, fine = (
+        np.abs(
+            amplitude(
+                marched(case(tmp_path, steps, 40, **joint))["contact_displacement"].values[:, 2],
+                ORDER,
+            )
+        )
+        for steps in (1024, 2048)
+    )
+    assert fine == pytest.approx(exact, rel=2e-4)
+    assert (4.0 * fine - coarse) / 3.0 == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("overclosure", [1.2e-3, 5e-4, 3e-4])
+def test_a_motion_is_that_of_an_independent_march(tmp_path: Path, overclosure: float) -> None:
+    file = tmp_path / "three.npz"
+    bw.write_superelement(file, blade(3))
+    changes = {
+        "bladed_disk": {"superelement": {"file": str(file), "copies": 3}},
+        "excitation": {"order": 1, "amplitude": 20.0},
+    }
+    independent = Wheel(3, MODES, 0.1, 100.0 * np.pi, 1, 20.0, -overclosure, 0.3, np.pi / 6.0)
+    coarse, other = (
+        marched(case(tmp_path, steps, 12, changes, overclosure=overclosure))
+        for steps in (1024, 2048)
+    )
+    moved = [
+        np.abs(
+            data["contact_shape"].values[2]
+            @ amplitude(data["rotor_displacement"].values[:, :MODES], 1)
+        )[1:]
+        for data in (coarse, other)
+    ]
+    assert moved[0] == pytest.approx(moved[1], rel=3e-3)
+    assert moved[1] == pytest.approx(independent.march(128, 12)[0][1:], rel=3e-3)
+    shares = other["joint_steps"].values[-RECORDS:].sum(axis=(0, 1))
+    assert shares[2] > 0
+    assert (shares[0] > 0) == (overclosure < 4e-4)
+
+
+def test_forces_satisfy_the_contact_law_and_works_close_the_balance(tmp_path: Path) -> None:
+    data = marched(case(tmp_path, 1024, 12, overclosure=2e-5))
+    later = data.isel(time=slice(1, None))  # loads begin to act after the first record
+    normal, *tangential = np.moveaxis(later["joint_force"].values, -1, 0)
+    size, place = np.hypot(*tangential), later["joint_displacement"].values
+    gap = data["joint_gap"].values + place[..., 0]
+    scale, moved = np.abs(normal).max(), np.abs(place).max()
+    assert normal.min() >= 0.0
+    assert gap.min() > -1e-9 * moved
+    assert (normal * gap).max() < 1e-9 * scale * moved
+    assert (size <= 0.3 * normal + 1e-9 * scale).all()
+    steps = later["joint_steps"].values.sum(axis=(0, 1))
+    assert (steps > 0).all()
+    assert steps.sum() == 12 * 1024 * BLADES
+    assert np.diff(data["joint_wear"].values, axis=0).min() >= -1e-12
+    assert energy_residual(data) < 1e-9
+
+
+def test_the_start_has_the_preload_without_tangential_force(tmp_path: Path) -> None:
+    data = marched(case(tmp_path, 1024, 1, {"excitation": {"amplitude": 0.0}}, preload="200 N"))
+    force = data["joint_force"].values
+    assert force[..., 0] == pytest.approx(200.0)
+    assert np.abs(force[..., 1:]).max() < 1e-9 * 200.0
+
+
+@pytest.mark.parametrize("sliding", ["permanent", "full"])
+@pytest.mark.parametrize("casing", ["rigid", "ring"])
+def test_tips_and_joints_touch_in_the_same_step(tmp_path: Path, casing: str, sliding: str) -> None:
+    changes = {
+        "casing": {"type": casing, "clearance": "0.05 um"},
+        "contact": {"sliding": sliding, "friction": 0.1},
+        "excitation": {"amplitude": 20.0},
+    }
+    data = marched(case(tmp_path, 8192, 2, changes, overclosure=2e-5))
+    tips = data["gap"].values[:, 2::3]
+    assert np.abs(data["contact_force"].values[:, 2::3]).max() > 0.0
+    assert tips.min() > -1e-15
+    assert data["joint_steps"].values.sum(axis=(0, 1)).min() > 0
+    assert energy_residual(data) < 1e-9
+    outward = data["contact_displacement"].values[:, 2::3, 0]
+    if casing == "rigid":
+        assert outward.max() == pytest.approx(5e-8, rel=1e-9)
