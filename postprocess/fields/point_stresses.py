@@ -26,6 +26,8 @@ VON_MISES = np.array(
 )
 """Matrix from the components xx, yy, zz, xy, yz and zx to the five terms, (5, 6)."""
 
+MOST_BYTES = 3e7  #: size of the stresses of solids computed in one matrix product [bytes]
+
 PRODUCTS = np.array([[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
 """Axes of the components xx, yy, zz, xy, yz and zx."""
 
@@ -101,13 +103,15 @@ class PointStresses:
         return stress
 
     def on_sides(self, records: IntArray) -> Array:
-        """Return the von Mises stress [Pa], (record, point, 1), computed record by record."""
-        return np.concatenate([self.at(np.array([record])) for record in records])[..., None]
+        """Return the von Mises stress [Pa], (record, point, 1), computed in portions."""
+        portions = np.array_split(records, -(-len(records) // self.together))
+        return np.concatenate([self.at(portion) for portion in portions])[..., None]
 
-    def together(self, most_bytes: float) -> int:
-        """Return the number of records whose terms take at most a number of bytes; at least 1."""
+    @property
+    def together(self) -> int:
+        """Number of records whose terms are computed together; at least 1."""
         each = 8 * len(VON_MISES) * self.points * self._dataset.sizes["copy"]
-        return max(1, int(most_bytes / each))
+        return max(1, int(MOST_BYTES / each))
 
 
 def size_of(terms: Array) -> Array:

@@ -162,17 +162,18 @@ def _magnitudes(
     """Return the magnitude of a vector field at all points (record, point): of the displacement, of
     the deformation (displacement without the motion of the centre), or of the velocity in the axes
     of the picture."""
-    values = []
-    for record in records:
-        motion = dataset["rotor_displacement"][record].values
+    values, velocity = [], field == "velocity"
+    motions = history(dataset, "rotor_displacement", records)
+    rates = history(dataset, "rotor_velocity", records) if velocity else motions
+    spins = rotation.speeds(dataset)[records] * (not rotating)
+    for motion, rate, spin in zip(motions, rates, spins, strict=True):
         vectors = points.moved(motion)
         if field == "deformation":
             vectors[:, :2] -= points.centre @ motion
-        if field == "velocity":
-            spin = 0.0 if rotating else rotation.speeds(dataset)[record]
-            rate = points.moved(dataset["rotor_velocity"][record].values)
-            rate[:, :2] += spin * rotate(vectors[:, :2], np.pi / 2)
-            vectors = rate
+        if velocity:
+            turning = spin * rotate(vectors[:, :2], np.pi / 2)
+            vectors = points.moved(rate)
+            vectors[:, :2] += turning
         values.append(np.linalg.norm(vectors, axis=1))
     return np.array(values)
 

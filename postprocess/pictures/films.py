@@ -72,7 +72,7 @@ def write_pictures(
 
 def _palette(samples: list[Pixels]) -> Image.Image:
     """Return the palette of a GIF: fixed colours, and those that differ least from the samples."""
-    seen = np.vstack(samples).reshape(1, -1, 3)
+    seen = np.vstack([sample[::2, ::2].reshape(-1, 3) for sample in samples])[None]
     drawn = Image.fromarray(seen[:, np.any(seen[0] < 240, axis=1)])  # not colours close to white
     kept = [value for colour in FIXED for value in ImageColor.getrgb(colour)]
     chosen = drawn.quantize(256 - len(FIXED), Image.Quantize.MAXCOVERAGE, kmeans=1).getpalette()

@@ -58,8 +58,6 @@ CACHED_BYTES = 1e6
 """Size of the strains whose extremes are computed together [bytes]; it fits into the cache of a
 processor core."""
 
-SOLID_BYTES = 3e7  #: size of the stresses of solids computed in one matrix product [bytes]
-
 NEAR = 0.1
 """Distance from the nearest contact node, divided by the length of a blade, up to which points of
 solids are left out."""
@@ -310,7 +308,7 @@ def _solid(dataset: xr.Dataset, points: Points) -> _Body:
     mean[:, points.lost.astype(np.int64)] = np.nan
 
     def values() -> Iterator[tuple[slice, _Portion]]:
-        for read in portions(dataset, stresses.together(SOLID_BYTES)):
+        for read in portions(dataset, stresses.together):
             records = np.arange(read.start, read.stop)
             terms = stresses.terms_at(records)
             size = stresses.at(records, terms)[:, order].T
