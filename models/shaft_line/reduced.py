@@ -94,7 +94,8 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
     at_speed = stiffness + speed**2 * softer
     squares, on_basis = la.eigh(basis.T @ at_speed @ basis, basis.T @ mass @ basis)
     shapes = basis @ on_basis
-    twice, softer, bent = (shapes.T @ each @ shapes for each in (twice, softer, stiffness))
+    projected = [shapes.T @ each @ shapes for each in (twice, softer, stiffness)]
+    twice, softer, bent = ((each + each.T) / 2.0 for each in projected)  # no damping by rounding
     return ReducedLine(
         speed=speed,
         squares=squares,

@@ -31,7 +31,7 @@ class ShaftLineMotion:
             angle: angle of the rotor [rad], (records,).
             rotor: modal displacements, (records, rotor modes).
         """
-        moved, slope = np.einsum("npm,rm->prn", self.nodes, rotor) * np.exp(1j * angle)[:, None]
+        moved, slope = np.moveaxis(self.nodes @ rotor.T, 0, 2) * np.exp(1j * angle)[:, None]
         still = np.zeros_like(moved.real)
         each = (moved.real, moved.imag, still, -slope.imag, slope.real, still)
         return np.stack(each, axis=2)

@@ -120,8 +120,9 @@ static double turn_bearings(March *m, int first)
             bearing_stretch(b, cosine[0], cosine[1], w->place.at + k * ends, w->other.at + k * ends,
                             stretch + k * ends);
         }
+        w->energy = bearing_energy(b, w->stretch.at, w->stretch.at + ends);
     }
-    return 0.5 * bearing_energy(b, w->stretch.at, w->stretch.at + ends);
+    return 0.5 * w->energy;
 }
 
 /* Compute the forces of `ends` / 2 bearings from those without their response, `force`: solve (1 + C W)
@@ -204,6 +205,32 @@ static inline void bearing_velocity(const March *m, int64_t i, double c, double 
     }
 }
 
+/* Add the sum of rows times factors to a padded vector, in some registers from the entry i on. */
+INLINED void answer_some(const Matrix *rows, int registers, int64_t i, const double *factor, double *out)
+{
+    Lanes sum[6];
+    for (int k = 0; k < registers; k++)
+        sum[k] = load(out + i + k * LANES);
+    const double *row = rows->at + i;
+    for (int64_t n = 0; n < rows->rows; n++, row += rows->columns) {
+        Lanes by = splat(factor[n]);
+        for (int k = 0; k < registers; k++)
+            sum[k] = muladd(by, load(row + k * LANES), sum[k]);
+    }
+    for (int k = 0; k < registers; k++)
+        store(out + i + k * LANES, sum[k]);
+}
+
+/* Add the sum of rows times factors to a padded vector. */
+static void answer_forces(const Matrix *rows, const double *factor, double *out)
+{
+    int64_t i = 0;
+    for (; i + 6 * LANES <= rows->columns; i += 6 * LANES)
+        answer_some(rows, 6, i, factor, out);
+    for (; i < rows->columns; i += LANES)
+        answer_some(rows, 1, i, factor, out);
+}
+
 /* Add the response to the forces of the bearings to the predicted x_{n+1} and y_{n+1}. */
 static void add_bearings(March *m)
 {
@@ -215,8 +242,12 @@ static void add_bearings(March *m)
     double rate = 0.5 / m->stage.numbers->time_step;
     bearing_ends(b, m->x.new, m->y.new, new, other);
     for (int64_t i = 0; i < ends; i += 2) {
-        double stretch[2], velocity[2], pull[2], drag[2];
-        turn_vector(c, -s, w->stretch.at + ends + i, stretch);
+        double turned[2], velocity[2], pull[2], drag[2];
+        const double *stretch = w->place.at + ends + i;
+        if (b->casing.rows > 0) {
+            turn_vector(c, -s, w->stretch.at + ends + i, turned);
+            stretch = turned;
+        }
         bearing_velocity(m, i, c, s, velocity);
         const double *damping = b->damping.at + 2 * i;
         turned_product(b->stiffness.at + 2 * i, c2, s2, stretch, pull);
@@ -234,23 +265,15 @@ static void add_bearings(March *m)
     }
     if (b->damped)
         solve_bearings(b, w);
-    for (int64_t i = 0; i < m->x.entries; i += LANES) {
-        Lanes moved = load(m->x.new + i);
-        for (int64_t k = 0; k < ends; k++)
-            moved = muladd(splat(force[k]), load(b->answer.at + k * m->x.entries + i), moved);
-        store(m->x.new + i, moved);
-    }
+    answer_forces(&b->answer, force, m->x.new);
     if (b->casing.rows == 0)
         return;
-    for (int64_t i = 0; i < ends; i += 2)
+    for (int64_t i = 0; i < ends; i += 2) {
         turn_vector(c, s, force + i, w->on_casing.at + i);
-    for (int64_t i = 0; i < m->y.entries; i += LANES) {
-        Lanes moved = load(m->y.new + i);
-        for (int64_t k = 0; k < ends; k++)
-            moved = muladd(splat(-w->on_casing.at[k]),
-                           load(b->casing_answer.at + k * m->y.entries + i), moved);
-        store(m->y.new + i, moved);
+        w->on_casing.at[i] = -w->on_casing.at[i];
+        w->on_casing.at[i + 1] = -w->on_casing.at[i + 1];
     }
+    answer_forces(&b->casing_answer, w->on_casing.at, m->y.new);
 }
 
 /* Return the torque of the bearings on the rotation, with the tilt of the shaft at bearings that act on
@@ -294,7 +317,7 @@ static void account_bearings(March *m, int64_t step)
             done += 0.5 * w->force.at[at] * (place[2 * ends + at] - place[at]);
             lost -= dt * (w->force.at[at] - w->spring.at[at]) * velocity[k];
             if (b->casing.rows > 0)
-                done -= 0.5 * w->on_casing.at[at] * (other[2 * ends + at] - other[at]);
+                done += 0.5 * w->on_casing.at[at] * (other[2 * ends + at] - other[at]);
         }
     }
     double angle = m->stage.speed ? m->rotation.next
@@ -303,7 +326,8 @@ static void account_bearings(March *m, int64_t step)
     w->turn.at[1] = sin(angle);
     double *old = w->stretch.at, *now = old + ends, *new = now + ends;
     bearing_stretch(b, w->turn.at[0], w->turn.at[1], place + 2 * ends, other + 2 * ends, new);
-    double stored = 0.5 * (bearing_energy(b, now, new) - bearing_energy(b, old, now));
+    double energy = bearing_energy(b, now, new), stored = 0.5 * (energy - w->energy);
+    w->energy = energy;
     for (int64_t i = 0; i < 2 * ends; i++) {
         place[i] = place[i + ends];
         old[i] = old[i + ends];

@@ -301,6 +301,10 @@ static int solve_nodes(March *m, int64_t step, int64_t *touching)
     BendScratch *bending = &m->scratch->bending;
     double later = (double)(step + 1) * m->stage.numbers->time_step;
     *touching = 0;
+    if (f->element.size == 0) {
+        m->pushed = 0;
+        return 1;
+    }
     place_nodes(m);
     const double *recess = recess_at(rotor, m->stage.closure, later, f);
     if (!find_free_gaps(m, recess))

@@ -191,6 +191,7 @@ typedef struct {
     Matrix system;    /* linear system, with its right-hand side, padded */
     Vector turned;    /* damping matrices in rotating axes, by rows, divided by 2 h */
     Vector turn;      /* cosine and sine of psi at n */
+    double energy;    /* D_{n-1}^T K D_n */
 } BearingScratch;
 
 /* Joints. */

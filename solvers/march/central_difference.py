@@ -357,7 +357,7 @@ class CentralDifference:
         shaft = bearings.shaft
         force = bearings.force(angle, speed, rotor, casing)[:, : shaft.bearings]
         moved = (casing[0] @ bearings.support.T)[:, : shaft.bearings]
-        strained = 0.5 * np.einsum("rm,mk,rk->r", rotor[0], shaft.stiffness, rotor[0])
+        strained = 0.5 * ((rotor[0] @ shaft.stiffness) * rotor[0]).sum(axis=1)
         return {
             "shaft_displacement": shaft.displacement(angle, rotor[0]),
             "bearing_force": np.stack([force.real, force.imag], axis=2),

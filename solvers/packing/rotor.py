@@ -338,8 +338,10 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
 
     Returns:
         the blocks, in the order of `Gyroscopic`, and the matrix of all modes of each copy,
-        (entries, columns); one of the two is empty.
+        (entries, columns); one of the two is empty, without damping both are.
     """
+    if not damping.any():
+        return aligned(0), aligned((0, lib.LANES))
     rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
     copies, modes, _ = damping.shape
     full = aligned((copies, entries // copies, entries // copies))
