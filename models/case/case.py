@@ -65,6 +65,11 @@ class Case(Tables):
             yield from broken("Case of a superelement", self.superelement, self)
 
     @property
+    def has_wheel(self) -> bool:
+        """Whether the case has a table with the wheel of a shaft line."""
+        return not self.model_fields_set.isdisjoint({"bladed_disk", "sketch"})
+
+    @property
     def without_effect(self) -> list[str]:
         """Tables and keys that have no effect beside a shaft line."""
         return beside_line(self)

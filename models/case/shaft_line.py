@@ -185,8 +185,8 @@ class ShaftLine(Table):
     s/m" } in static axes; unequal ones have stiffness = [[kxx, kxy], [kyx, kyy]]; support = {
     mass = "20 kg", stiffness = "50 MN/m" } is a mass between bearing and ground."""
     wheel: Wheel | None = Field(default=None, examples=['{ position = "1.5 m" }'])
-    """Wheel of [bladed_disk.superelement], whose file has hub_dofs: { position = "1.5 m", unknowns
-    = "six", damping_ratio = 0 }."""
+    """Wheel of [bladed_disk], of a superelement whose file has hub_dofs, or of equal beams, which
+    tilts as a rigid disk: { position = "1.5 m", unknowns = "six", damping_ratio = 0 }."""
     wheels: Annotated[
         tuple[FurtherWheel, ...],
         fields.rows('{ position = "0.3 m", superelement = { file = "second.npz" } }'),
@@ -278,6 +278,9 @@ USED = ("title", "material", "shaft_line", "gravity", "march")
 """Tables of a case with a shaft line, and with a wheel of [bladed_disk] only the superelement."""
 
 
+OF_BEAMS = ("bladed_disk", "sketch")  #: tables of a wheel of beams
+
+
 def beside_line(case: Table) -> list[str]:
     """Return the tables and keys that have no effect in a case with a shaft line; excitations of
     engine order have one with a wheel."""
@@ -290,7 +293,10 @@ def beside_line(case: Table) -> list[str]:
         return []
     used = dict[str, list[str]]()
     if given["shaft_line"].wheel is not None:
-        used["bladed_disk"] = ["superelement"]
+        if case.superelement is None:  # a wheel of beams
+            given = {name: value for name, value in given.items() if name not in OF_BEAMS}
+        else:
+            used["bladed_disk"] = ["superelement"]
         loads = given.get("excitation", ())
         if all(one.acts_on == "blades" for one in (loads if isinstance(loads, tuple) else [loads])):
             given.pop("excitation", None)

@@ -82,8 +82,8 @@ FIRST, SECOND, ROTATION = range(COMPONENTS)
 class BladedDiskModel:
     """A bladed disk in its rotating frame: straight Bernoulli beams, 3 DoF per node.
 
-    The centre node does not rotate. Springs along x and y support the centre node, or it is fixed
-    (clamped).
+    The centre node does not rotate, except as the hub of a wheel on a shaft line. Springs along x
+    and y support the centre node, or it is fixed (clamped).
     """
 
     model: BeamModel
@@ -160,7 +160,11 @@ class BladedDiskModel:
 
 
 def assemble_bladed_disk(
-    model: BeamModel, *, shaft_stiffness: float | tuple[float, float], clamped: bool
+    model: BeamModel,
+    *,
+    shaft_stiffness: float | tuple[float, float],
+    clamped: bool,
+    torsion_stiffness: float | None = None,
 ) -> BladedDiskModel:
     """Assemble a bladed disk.
 
@@ -172,6 +176,8 @@ def assemble_bladed_disk(
         shaft_stiffness: stiffness of both springs at the centre, or one value each for x and y
             [N/m].
         clamped: fix the centre instead of supporting it by springs.
+        torsion_stiffness: stiffness of a spring against the rotation of the centre [N m]; None for
+            a centre that does not rotate.
     """
     beams, mesh = BeamMatrices(model), model.mesh
     inertial, assembler = beams.mass(), beams.assembler
@@ -179,6 +185,8 @@ def assemble_bladed_disk(
     fixed = centre if clamped else centre[ROTATION:]
     spring = np.zeros(inertial.shape[0])
     spring[centre[:ROTATION]] = shaft_stiffness
+    if torsion_stiffness is not None:
+        fixed, spring[centre[ROTATION]] = fixed[:0], torsion_stiffness
     shaft = sp.csr_array(sp.diags_array(spring))
 
     led = assembler.node_dofs[model.links.led].ravel()
@@ -215,7 +223,8 @@ class BeamMatrices:
         return self.assembler.matrix(form, self._transform, skew=skew, **coefficients)
 
     def mass(self, weight: float | FloatArray = 1.0) -> sp.csr_array:
-        """Return the mass matrix, with a factor on that of each line, (lines, 1)."""
+        """Return the mass matrix, with a factor on that of each line, (lines, 1), or at each
+        quadrature point, (lines, points)."""
         return self.of(mass, rho_A=weight * self.sections.line_mass)
 
     def stiffness(self, weight: float | FloatArray = 1.0) -> sp.csr_array:

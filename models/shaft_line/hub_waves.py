@@ -12,8 +12,9 @@ of the latter, and by forces on the blades, all at rest and at the highest speed
 piece, whose blades must be equal, those modes are taken that the forces of a wave drive.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import scipy.linalg as la
@@ -59,6 +60,8 @@ ROUNDING = 1e-9
 """A force is a rounding error if it is at most this fraction of the sum of the sizes of its terms
 for the largest displacement."""
 
+UNEQUAL_BLADES = Fault(expected="equal blades; a wheel on a shaft line cannot be mistuned")
+
 UNEQUAL = 1e-3
 """Blades are equal if the mass between a wave and its mirror image is at most this fraction of that
 of the wave."""
@@ -83,12 +86,16 @@ class HubWave(Rotating[ComplexArray]):
         return mass, drag - 2j * omega * mass, static
 
 
-def hub_waves(part: Superelement, highest: float) -> dict[int, HubWave]:
+def hub_waves(
+    part: Superelement, highest: float, bases: Mapping[int, Any] | None = None
+) -> dict[int, HubWave]:
     """Return the waves of nodal diameter 0 and 1 of a wheel or of the first of its sectors.
 
     Args:
         part: superelement with hub_dofs.
         highest: highest speed at which the waves are used [rad/s].
+        bases: fields of each nodal diameter of a wheel in one piece on the coordinates that are not
+            those of the hub, sparse (n - 6, fields), if they are known.
 
     Raises:
         SuperelementError: there is no hub, it does not hold the wheel, matrices are missing or not
@@ -101,7 +108,8 @@ def hub_waves(part: Superelement, highest: float) -> dict[int, HubWave]:
     motions = rigid_motions(part)
     check_hub(part, motions)
     try:
-        held = [_held(hub_freed(state)) for state in over_speeds(part, highest, between=False)]
+        states = map(hub_freed, over_speeds(part, highest, between=False))
+        held = [_held(each) if bases is None else _Fields(each, bases) for each in states]
     except la.LinAlgError:
         raise IndefiniteError(HELD) from None
     return {k: _wave(part, motions @ WAVES[k], held, k) for k in WAVES}
@@ -116,7 +124,8 @@ def _wave(part: Superelement, rigid: ComplexArray, states: "list[_Held]", k: int
         load, size = form @ rigid, abs(form) @ np.full(rigid.shape, abs(rigid).max(axis=0))
         load, size = load[inner], size[inner]
         loads.append(load[:, la.norm(load, axis=0) > ROUNDING * la.norm(size, axis=0)])
-    loads.append(_on_blades(part, k)[inner])
+    on_blades = _on_blades(part, k)[inner]
+    loads.append(on_blades[:, on_blades.any(axis=0)])  # beams have no axial displacements
     fields = []
     for held in states:
         shapes = held.modes(k, np.hstack(loads))
@@ -129,8 +138,7 @@ def _wave(part: Superelement, rigid: ComplexArray, states: "list[_Held]", k: int
     if k and part.left_dofs is None:
         mirror = abs(basis.T @ (part.mass @ basis))[2:, 2:]
         if mirror.size and mirror.max() > UNEQUAL:
-            expected = "equal blades; a wheel on a shaft line cannot be mistuned"
-            raise SuperelementError(Fault(expected=expected))
+            raise SuperelementError(UNEQUAL_BLADES)
     share = sectors / (1 + k)  # the wave of nodal diameter 1 is two real ones
     forms = part.projected(basis, Rotating.FORMS)
     forms["stiffness"][:2] = forms["stiffness"][:, :2] = 0.0  # but for rounding errors
@@ -183,6 +191,28 @@ class _Sectors:
         if wave.kind is float:
             forces = np.ascontiguousarray(forces.real)
         return np.asarray(wave.tie @ wave.shifted_solution(forces), np.complex128)
+
+
+class _Fields:
+    """A wheel whose fields of each nodal diameter are known."""
+
+    def __init__(self, part: Superelement, bases: Mapping[int, Any]) -> None:
+        self._bases = bases
+        self._forms = {
+            k: [(basis.conj().T @ (form @ basis)).toarray() for form in (part.stiffness, part.mass)]
+            for k, basis in bases.items()
+        }
+
+    def modes(self, k: int, loads: ComplexArray) -> ComplexArray:
+        """Return the lowest modes, whether loads drive them or not."""
+        stiffness, mass = self._forms[k]
+        last = min(KEPT, len(mass)) - 1
+        return np.asarray(self._bases[k] @ la.eigh(stiffness, mass, subset_by_index=[0, last])[1])
+
+    def solve(self, k: int, loads: ComplexArray) -> ComplexArray:
+        basis = self._bases[k]
+        within = la.solve(self._forms[k][0], basis.conj().T @ loads, assume_a="pos")
+        return np.asarray(basis @ within)
 
 
 class _Wheel:

@@ -74,9 +74,7 @@ def order_motion(line: LineModel, omega: float, load: EngineOrder, order: int) -
 
 
 def _blades(line: LineModel) -> int:
-    table = line.case.bladed_disk.superelement
-    assert table is not None
-    return table.copies
+    return line.wheels[0].source.blades
 
 
 def _forces(
@@ -85,15 +83,13 @@ def _forces(
     """Return the radial and the tangential displacement of the first blade as rows on the
     coordinates of a wave, (2, m), and the forces on these, (m,), for the time factor exp(i sign r
     Omega t)."""
-    table = line.case.bladed_disk.superelement
-    assert table is not None
-    part = table.with_hub
-    count = 1 if part.left_dofs is not None else table.copies
+    part, blades, turn, _ = line.wheels[0].source
+    count = 1 if part.left_dofs is not None else blades
     moved = wave.contact.reshape(count, -1, 3, wave.size).mean(axis=1)
     x, y = part.contact_position[:, :2].reshape(count, -1, 2).mean(axis=1).T
-    angle: FloatArray = np.arctan2(y, x) + table.angle
+    angle: FloatArray = np.arctan2(y, x) + turn
     direction = np.array([np.cos(load.inclination), np.sin(load.inclination)])
     phase = sign * (order * angle + load.phase)
     along = np.einsum("ncm,c->nm", moved[:, :2].conj(), direction)
-    force = load.amplitude * table.copies / count * (np.exp(1j * phase) @ along)
+    force = load.amplitude * blades / count * (np.exp(1j * phase) @ along)
     return moved[0, :2], np.asarray(force)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -12,14 +13,25 @@ from bladewhirl.models.case.file import faults_at
 from bladewhirl.models.case.shaft_line import Wheel
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.shaft_line.beam_wheel import beam_wheel
 from bladewhirl.models.shaft_line.hub_waves import HubWave, hub_waves
-from bladewhirl.models.superelements.superelement import SuperelementError
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+
+
+class WheelPart(NamedTuple):
+    """Full matrices of a wheel."""
+
+    part: Superelement  #: the wheel, or its first sector
+    blades: int  #: number of blades
+    angle: float  #: angle by which the blades of the superelement are turned [rad]
+    of_beams: bool  #: whether the wheel consists of beams, so that it tilts as a rigid disk
 
 
 @dataclass(frozen=True, kw_only=True)
 class WheelOnLine:
-    """A wheel of solids on a node of the shaft."""
+    """A wheel on a node of the shaft."""
 
+    source: WheelPart
     node: int  #: number of the node
     whirling: HubWave  #: wave of nodal diameter 1
     unknowns: IntArray  #: unknowns of the line that are its coordinates, (m,)
@@ -53,18 +65,26 @@ def wheels_on_line(
         for row, wheel in enumerate(line.wheels)
     ]
     for key, table, wheel in tables:
-        assert table is not None
         try:
-            waves = _waves(table, highest, *table.stamp)
+            if table is None:
+                part, bases = beam_wheel(case)
+                source = WheelPart(part, part.sectors or 1, 0.0, True)
+                waves = hub_waves(part, highest, bases)
+            else:
+                source = WheelPart(table.with_hub, table.copies, table.angle, False)
+                waves = _waves(table, highest, *table.stamp)
         except SuperelementError as error:
-            raise CaseError(faults_at(case, f"{key}.file", error)) from None
+            place = "shaft_line.wheel" if table is None else f"{key}.file"
+            raise CaseError(faults_at(case, place, error)) from None
         node = int(np.abs(nodes - wheel.position).argmin())
-        found.append(_on_line(wheel, waves, node, following))
+        found.append(_on_line(wheel, source, waves, node, following))
         following += waves[1].size - 2
     return tuple(found)
 
 
-def _on_line(wheel: Wheel, waves: dict[int, HubWave], node: int, following: int) -> WheelOnLine:
+def _on_line(
+    wheel: Wheel, source: WheelPart, waves: dict[int, HubWave], node: int, following: int
+) -> WheelOnLine:
     """Return a wheel on a node, whose amplitudes are the unknowns from a number on."""
     waves = {k: _damped(wave, wheel.damping_ratio) for k, wave in waves.items()}
     unknowns, whirling = wheel.unknowns, waves[1]
@@ -73,6 +93,7 @@ def _on_line(wheel: Wheel, waves: dict[int, HubWave], node: int, following: int)
     amplitudes = following + np.arange(whirling.size - 2)
     (mass, arm), (_, tilting) = whirling.mass[:2, :2].real.tolist()
     return WheelOnLine(
+        source=source,
         mass=mass,
         offset=arm / mass,
         polar_inertia=float(waves[0].mass[1, 1].real),

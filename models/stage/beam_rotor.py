@@ -6,8 +6,8 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, chain_to
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BeamMatrices, BladedDiskModel
+from bladewhirl.models.elements.export import BLADES
 from bladewhirl.models.modal.modes import Modes
-from bladewhirl.models.stage.export import BLADES
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor, contact_rows
 from bladewhirl.models.structure.eigenproblems import modal_damping
 

@@ -16,6 +16,7 @@ from bladewhirl.models.elements.build import (
     tip_in_sector,
 )
 from bladewhirl.models.elements.cyclic import NO_COLUMN
+from bladewhirl.models.elements.export import part_superelement, wheel_superelement
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import Fault
@@ -32,7 +33,6 @@ from bladewhirl.models.stage.blade_loss import beams_after_loss
 from bladewhirl.models.stage.coating import beam_footprint
 from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.engine_order import unit_forces
-from bladewhirl.models.stage.export import part_superelement, wheel_superelement
 from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
@@ -103,7 +103,7 @@ class Beams(Stage):
     def to_superelement(self, kind: Literal["wheel", "sector", "blade"] = "wheel") -> Superelement:
         case = self.case
         if kind == "wheel":
-            return wheel_superelement(self.disk, case.shaft.stiffnesses, case.title)
+            return wheel_superelement(self.disk, case.title)
         if self.disk.rotates:
             raise SuperelementError(f'expected rotation.effects = "none" for a {kind}')
         return part_superelement(self.disk, kind, case.title)

@@ -68,7 +68,12 @@ def line_modes(case: Case, *, count: int = 12) -> xr.Dataset:
             "axis": ["x", "y"],
             "position": quantity("position", line.position, "m", "position along the shaft"),
         },
-        attrs={"title": case.title, "speed_rpm": line.speed * 30.0 / np.pi} | places(line),
+        attrs={
+            "title": case.title,
+            "speed_rpm": line.speed * 30.0 / np.pi,
+            "rigid_tilt": int(any(wheel.source.of_beams for wheel in line.wheels)),
+        }
+        | places(line),
     )
 
 
@@ -131,8 +136,13 @@ def report(computed: xr.Dataset) -> Study:
 
 
 def _hint(computed: xr.Dataset) -> str:
+    notes = list[str]()
+    if computed.attrs["rigid_tilt"]:
+        notes.append("the wheel of beams tilts as a rigid disk")
     decay, hertz = computed["decay"].values, computed["frequency"].values
     growing = computed["mode"].values[decay > GROWS * hertz]
-    if not len(growing):
-        return ""
-    return f"mode {growing[0]} grows: the line is unstable at this speed without more damping"
+    if len(growing):
+        notes.append(
+            f"mode {growing[0]} grows: the line is unstable at this speed without more damping"
+        )
+    return "; ".join(notes)

@@ -24,11 +24,14 @@ PROPERTIES = (
 )
 WHEELS = (
     Column("position", "wheel at [m]", ".4g"),
+    Column("consists_of", "consists of"),
     Column("mass", "mass [kg]", ".6g"),
     Column("polar_inertia", "polar inertia [kg m2]", ".6g"),
     Column("diametral_inertia", "diametral inertia [kg m2]", ".6g"),
     Column("centre_of_mass", "centre of mass [m]", ".6g"),
 )
+BEAMS = "beams, rigid in tilt"
+
 BEARINGS = (
     Column("name", "bearing"),
     Column("position", "position [m]", ".4g"),
@@ -69,6 +72,7 @@ def properties(case: Case) -> tuple[dict[str, Any], "list[Table]"]:
         document["wheels"] = [
             {
                 "position": (position := float(line.position[wheel.node])),
+                "consists_of": BEAMS if wheel.source.of_beams else "solids",
                 "mass": wheel.mass,
                 "polar_inertia": wheel.polar_inertia,
                 "diametral_inertia": wheel.diametral_inertia,

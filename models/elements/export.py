@@ -19,11 +19,7 @@ from bladewhirl.models.superelements.superelement import FIXED, Superelement, Su
 BLADES = "blades"  #: name of the lines of the blades
 
 
-def wheel_superelement(
-    disk: BladedDiskModel,
-    shaft_stiffness: tuple[float, float],
-    name: str,
-) -> Superelement:
+def wheel_superelement(disk: BladedDiskModel, name: str) -> Superelement:
     """Return the full finite element model of a bladed disk as a wheel, without the springs of the
     shaft.
 
@@ -34,14 +30,11 @@ def wheel_superelement(
 
     Args:
         disk: finite element model.
-        shaft_stiffness: stiffness of the springs along x and y [N/m], which is subtracted.
         name: name of the superelement.
     """
     structure, size = disk.structure.still, disk.structure.size
-    springs = np.zeros(size)
-    springs[disk.centre] = shaft_stiffness[: len(disk.centre)]
-    structure = replace(structure, stiffness=structure.stiffness - sp.diags_array(springs))
-    turn = _to_cartesian_tips(disk)
+    structure = replace(structure, stiffness=structure.stiffness - structure.springs)
+    turn = to_cartesian_tips(disk)
     matrices = structure.projected(turn, (*Rotating.FORMS, *Rotating.LOADS))
     tips = len(disk.tip_radial)
     axial = np.full(tips, FIXED)
@@ -60,7 +53,7 @@ def wheel_superelement(
     )
 
 
-def _to_cartesian_tips(disk: BladedDiskModel) -> sp.csr_array:
+def to_cartesian_tips(disk: BladedDiskModel) -> sp.csr_array:
     """Return the matrix from the coordinates of `wheel_superelement`, in which the displacements of
     the tips are along x and y, to the free degrees of freedom, (size, size)."""
     turn: FloatArray = np.zeros((disk.structure.size, disk.structure.size))
