@@ -14,6 +14,7 @@ from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_share
 from bladewhirl.postprocess.run.contact_side import contact_scenario
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force
+from bladewhirl.postprocess.run.joint_contact import joint_figures
 from bladewhirl.postprocess.run.measures import MEASURES, Motion
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.run.wear import wear_summary
@@ -107,6 +108,21 @@ def _shaft(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) ->
     }
 
 
+def _joints(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:
+    """Return forces, states and work of friction joints, and the amplitudes of the blades."""
+    joints = joint_figures(dataset).values()
+    moved = late_part(dataset)["contact_displacement"].values
+    swing = 0.5 * np.ptp(moved, axis=0).max(axis=1)
+    return {
+        "joint_force_max": max(each["largest_normal_force"] for each in joints),
+        "joint_open": np.mean([each["share_open"] for each in joints]),
+        "joint_slipping": np.mean([each["share_slipping"] for each in joints]),
+        "joint_work": sum(each["work"] for each in joints),
+        "joint_wear": sum(each["wear_energy"] for each in joints),
+        "blade_amplitude": padded(of_blades(dataset, swing, np.maximum), layout.blades),
+    }
+
+
 def _modes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:
     """Return the frequencies of modes that move with the shaft."""
     return {
@@ -144,6 +160,7 @@ def _nodes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) ->
 
 PARTS: Mapping[str, Callable[[xr.Dataset, Layout, int, IntArray], dict[str, Any]]] = {
     "centre": _shaft,
+    "joints": _joints,
     "families": _modes,
     "nodes": _nodes,
 }

@@ -16,7 +16,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError, shown
-from bladewhirl.models.inputs.table import Table, path_of, value_at
+from bladewhirl.models.inputs.table import Table, path_of, row_of, value_at
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.solvers.march.schema import DRAW, POINT
 from bladewhirl.studies.sweeps.draws import PERTURB, Draws
@@ -309,7 +309,7 @@ def check_key(case: Case, key: str, place: str = OVER) -> None:
         UserError: the key does not take a number; the message names the most similar numeric key.
     """
     keys = [name for name, _ in _numeric_keys(case)]
-    if key not in keys:
+    if _numbered(case, key) not in keys:
         last = key.rpartition(".")[2]
         nearest = [name for name in keys if name.rpartition(".")[2] == last]
         nearest = nearest or get_close_matches(key, keys, n=1, cutoff=0.0)
@@ -321,10 +321,20 @@ def check_key(case: Case, key: str, place: str = OVER) -> None:
 
 def unit_of(case: Case, key: str) -> str:
     """Return the SI unit of a key, from its description; "1" for dimensionless numbers."""
-    table = dict(_numeric_keys(case))[key]
+    table = dict(_numeric_keys(case))[_numbered(case, key)]
     description = table.descriptions().get(key.rpartition(".")[2], "")
     match = re.search(r"\[([^\]]+)\]", description)
     return match[1] if match else "1"
+
+
+def _numbered(case: Case, key: str) -> str:
+    """Return a dotted key with the numbers of rows in place of their names."""
+    value, parts = case, list[str]()
+    for part in path_of(key):
+        place = row_of(value, part)
+        parts.append(str(place))
+        value = value_at(value, (place,))
+    return ".".join(parts)
 
 
 def _numeric_keys(table: Table) -> Iterator[tuple[str, type[Table]]]:

@@ -71,7 +71,10 @@ def make_layout(extent: Extent, stage: Stage, *, starts: bool = False) -> Layout
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
     window = WINDOW_SHARE * extent.shortest
     each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
-    parts = frozenset(parts_of(stage.arrays.stored) | ({"start"} if starts else set()))
+    further = {"start"} if starts else set[str]()
+    if stage.case.joint:
+        further.add("joints")
+    parts = frozenset(parts_of(stage.arrays.stored) | further)
     lines = np.arange(-each_side if "centre" in parts else 0, each_side + 1)
     return Layout(
         parts=parts,

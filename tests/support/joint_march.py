@@ -22,10 +22,11 @@ class Wheel:
     gap: float  #: [m]
     friction: float
     angle: float  #: of the normal [rad]
+    factors: tuple[float, ...] = ()  #: on the stiffness of each blade
 
     def march(self, steps: int, periods: int) -> tuple[FloatArray, FloatArray]:
-        """Return the amplitude of the engine order of the displacement of the first tip, (3,), and
-        the normal forces of the first joint in the last period, (steps,). Forces on joints are
+        """Return the amplitude of the engine order of the displacement of each tip, (blades, 3),
+        and the normal forces of the first joint in the last period, (steps,). Forces on joints are
         constant in a step, with the value at its end."""
         part, n = blade(self.blades), self.blades
         mass, stiffness = np.asarray(part.mass), np.asarray(part.stiffness)
@@ -40,6 +41,8 @@ class Wheel:
         static = rows @ la.solve(stiffness, load) - p / squares @ push
         turn = self.order * self.speed
         h = 2.0 * np.pi / turn / steps
+        given, tuned = np.array(self.factors or (1.0,) * n)[:, None], squares
+        squares = given * tuned
         w = np.sqrt(squares)
         wd, decay = w * np.sqrt(1.0 - self.ratio**2), np.exp(-self.ratio * w * h)
         cos, sin = np.cos(wd * h), np.sin(wd * h)
@@ -50,26 +53,26 @@ class Wheel:
         for j in range(n):
             tie[3 * j : 3 * j + 3, 6 * ((j + 1) % n) : 6 * ((j + 1) % n) + 3] = np.eye(3)
             tie[3 * j : 3 * j + 3, 6 * j + 3 : 6 * j + 6] = -np.eye(3)
-        flexible = tie @ np.kron(np.eye(n), c + p * by_force @ p.T) @ tie.T
+        own = [c / f + p * answer @ p.T for f, answer in zip(given[:, 0], by_force, strict=True)]
+        flexible = tie @ la.block_diag(*own) @ tie.T
         ahead = np.exp(2j * np.pi * self.order * np.arange(n) / n)[:, None]
         q, v = np.zeros((2, n, self.modes))
         force, place = np.zeros((n, 3)), np.zeros((n, 3))
-        tip, normal = np.zeros((2, steps)), np.zeros(steps)
-        seen = np.zeros((steps, self.modes))
+        normal = np.zeros(steps)
+        seen = np.zeros((steps, n, self.modes))
         for step in range(1, steps * periods + 1):
             pushed = (np.exp(1j * turn * h * (step - 0.5)) * ahead).real * push
             pushed = pushed * np.sinc(turn * h / 2.0 / np.pi)
-            given = (np.exp(1j * turn * h * step) * ahead).real * static
+            shift = (np.exp(1j * turn * h * step) * ahead).real * static / given
             q, v = qq * q + qv * v + by_force * pushed, vq * q + vv * v + qv * pushed
-            free = (tie @ (q @ p.T + given).ravel()).reshape(n, 3)
+            free = (tie @ (q @ p.T + shift).ravel()).reshape(n, 3)
             force = self._forces(flexible, free, place, force)
             place = free + (flexible @ force.ravel()).reshape(n, 3)
             joint = (tie.T @ force.ravel()).reshape(n, 6) @ p
             q, v = q + by_force * joint, v + qv * joint
-            seen[step % steps], normal[step % steps] = q[0], force[0, 0]
-        del tip
+            seen[step % steps], normal[step % steps] = q, force[0, 0]
         amplitude = np.fft.fft(seen, axis=0)[1] * 2.0 / steps
-        return np.abs(shapes[part.contact_dofs[2]] @ amplitude), normal
+        return np.abs(amplitude @ shapes[part.contact_dofs[2]].T), normal
 
     @property
     def _axes(self) -> FloatArray:

@@ -84,29 +84,33 @@ def test_limits_are_linear(tmp_path: Path, joint: dict[str, Any], held: list[int
     assert (4.0 * fine - coarse) / 3.0 == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.parametrize("factors", [(), (1.1, 0.95, 1.02)], ids=["tuned", "mistuned"])
 @pytest.mark.parametrize("overclosure", [1.2e-3, 5e-4, 3e-4])
-def test_a_motion_is_that_of_an_independent_march(tmp_path: Path, overclosure: float) -> None:
+def test_a_motion_is_that_of_an_independent_march(
+    tmp_path: Path, overclosure: float, factors: tuple[float, ...]
+) -> None:
     file = tmp_path / "three.npz"
     bw.write_superelement(file, blade(3))
     changes = {
-        "bladed_disk": {"superelement": {"file": str(file), "copies": 3}},
+        "bladed_disk": {
+            "superelement": {"file": str(file), "copies": 3},
+            "mistuning": {"stiffness": list(factors)},
+        },
         "excitation": {"order": 1, "amplitude": 20.0},
     }
-    independent = Wheel(3, MODES, 0.1, 100.0 * np.pi, 1, 20.0, -overclosure, 0.3, np.pi / 6.0)
-    coarse, other = (
+    speed, inclined = 100.0 * np.pi, np.pi / 6.0
+    independent = Wheel(3, MODES, 0.1, speed, 1, 20.0, -overclosure, 0.3, inclined, factors)
+    coarse, fine = (
         marched(case(tmp_path, steps, 12, changes, overclosure=overclosure))
         for steps in (1024, 2048)
     )
-    moved = [
-        np.abs(
-            data["contact_shape"].values[2]
-            @ amplitude(data["rotor_displacement"].values[:, :MODES], 1)
-        )[1:]
-        for data in (coarse, other)
-    ]
+    moved = []
+    for data in (coarse, fine):
+        modes = amplitude(data["rotor_displacement"].values, 1).reshape(3, MODES)
+        moved.append(np.abs(modes @ data["contact_shape"].values[2].T)[:, 1:])
     assert moved[0] == pytest.approx(moved[1], rel=3e-3)
-    assert moved[1] == pytest.approx(independent.march(128, 12)[0][1:], rel=3e-3)
-    shares = other["joint_steps"].values[-RECORDS:].sum(axis=(0, 1))
+    assert moved[1] == pytest.approx(independent.march(128, 12)[0][:, 1:], rel=3e-3)
+    shares = fine["joint_steps"].values[-RECORDS:].sum(axis=(0, 1))
     assert shares[2] > 0
     assert (shares[0] > 0) == (overclosure < 4e-4)
 

@@ -80,7 +80,7 @@ def test_a_motion_is_that_of_a_march_of_all_blades(tmp_path: Path, overclosure: 
     found = joint_motion(given)
     amplitude = np.abs(given.at_points(1, found.of_order(1)))[0]
     marched = Wheel(3, MODES, 0.1, given.speed, 1, 20.0, -overclosure, 0.3, np.pi / 6.0)
-    coarse, fine = (marched.march(steps, 8)[0] for steps in (64, 128))
+    coarse, fine = (marched.march(steps, 8)[0][0] for steps in (64, 128))
     assert amplitude[1:] == pytest.approx(fine[1:], rel=3e-3)
     assert coarse[1:] == pytest.approx(fine[1:], rel=3e-3)
     assert (found.states == SLIPPING).any()

@@ -77,6 +77,27 @@ def test_a_run_has_joints_and_goes_on_to_the_last_bit(tmp_path: Path) -> None:
         assert np.array_equal(one, other)
 
 
+def test_a_sweep_over_the_preload_has_draws_of_mistuned_blades(tmp_path: Path) -> None:
+    own = tables(tmp_path, preload="3 N") | {
+        "reduction": {"free_interface_modes": 8},
+        "damping": {"ratio": 0.1},
+        "march": {"speed": "3000 rpm", "time_step": "20 us", "duration": "20 ms"},
+    }
+    own["bladed_disk"]["mistuning"] = {"stiffness_spread": 0.01}
+    over: dict[str, Any] = {
+        "joint.shroud.preload": ["0.3 N", "30 N"],
+        "bladed_disk.mistuning.seed": [1, 2],
+    }
+    bw.run_sweep(bw.case_from(own), over, tmp_path / "sweep", workers=1)
+    with bw.open_sweep(tmp_path / "sweep") as data:
+        assert (data["energy_residual"] < 1e-8).all()
+        slipping = data["joint_slipping"].transpose("joint_shroud_preload", ...).values
+        assert slipping[0].min() > slipping[1].max() == 0.0
+        assert (data["joint_force_max"][1] > 30.0).all()
+        apart = np.ptp(data["blade_amplitude"].values[0, 0])
+        assert apart > 1e-3 * data["blade_amplitude"].values.max()
+
+
 def test_a_speed_that_varies_has_no_joints(tmp_path: Path) -> None:
     own = tables(tmp_path) | {"reduction": {"free_interface_modes": 8}}
     own["march"] = {
