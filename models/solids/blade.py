@@ -28,6 +28,7 @@ from bladewhirl.models.solids.groups import (
     matching_faces,
     sector_faces,
 )
+from bladewhirl.models.solids.joint_nodes import joint_pairs
 from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.rigid import free_bodies, free_displacements
 from bladewhirl.models.solids.sectors import find_sector
@@ -61,6 +62,9 @@ def mesh3d(
     hub_at: float | str | None = None,
     contact: str = "tip",
     contacts: int | None = None,
+    joint_left: str | None = None,
+    joint_right: str | None = None,
+    joint_nodes: int | None = None,
     blade: str | None = None,
     left: str | None = None,
     right: str | None = None,
@@ -127,6 +131,11 @@ def mesh3d(
         contacts: number of contact nodes, of each blade with `copies`, evenly spaced along the
             chord of the group and in the middle of its thickness; all nodes of the group by
             default.
+        joint_left, joint_right: groups, or conditions as for `clamped`, of the surfaces on the
+            clockwise and the counter-clockwise side of a blade, such as those of shrouds, that
+            touch those of its neighbours in a [[joint]]; both or none. Nodes that are nearest to
+            each other after a turn by one pitch become pairs of further contact nodes.
+        joint_nodes: number of these pairs, far from each other; all by default.
         blade: group, or a condition as for `clamped`, of the nodes of the blade of a sector, or of
             the blades of a wheel. Elements all of whose nodes belong to it are those whose Young's
             modulus the mistuning of a case changes (`blade_stiffness`).
@@ -222,6 +231,23 @@ def mesh3d(
     else:
         own = contact_nodes(volumes.points, blades[0], contacts, np.intersect1d(fixed, tips))
         touching = blades[:, (own[:, None] == blades[0]).argmax(axis=1)].ravel()
+    joined: dict[str, IntArray] = {}
+    if joint_left is not None and joint_right is not None:
+        if blades is not None:
+            raise invalid("joint_left", joint_left, "a blade or a sector, not a wheel in one piece")
+        pair = [
+            np.setdiff1d(group_nodes(volumes, key, given, axis), np.r_[fixed, first, second])
+            for key, given in (("joint_left", joint_left), ("joint_right", joint_right))
+        ]
+        pair = [*joint_pairs(volumes.points, pair[0], pair[1], copies, joint_nodes)]
+        touching = touching[~np.isin(touching, pair)]
+        joined = {
+            key: len(touching) + n * len(pair[0]) + np.arange(len(pair[0]))
+            for n, key in enumerate(("joint_left", "joint_right"))
+        }
+        touching = np.concatenate([touching, *pair])
+    elif (joint_left, joint_right) != (None, None):
+        raise invalid("joint_left", joint_left, "joint_left and joint_right together, or neither")
     if loose := len(np.setdiff1d(volumes.groups.get(volumes.held, fixed[:0]), fixed)):
         text = f"{loose} nodes that {volumes.held} of {volumes.name} holds are not clamped"
         warnings.warn(f"{text}: clamped = {volumes.held!r} holds them", Hint, stacklevel=2)
@@ -261,6 +287,7 @@ def mesh3d(
         ),
         "contact_position": volumes.points[touching],
         "contact_dofs": dofs[touching],
+        **joined,
         "points": volumes.points[shown],
         "triangles": triangles,
         "recovery": sp.csr_array(select[(3 * shown[:, None] + np.arange(3)).ravel()]),

@@ -55,7 +55,8 @@ def with_single_contacts(part: Superelement, kind: str, copies: int) -> Superele
     order = np.lexsort([ahead.round(9), place])
     kept[np.delete(order, np.unique(place[order], return_index=True)[1])] = False
     joints = [getattr(part, key) for key in JOINTS if getattr(part, key) is not None]
-    kept[np.concatenate([np.zeros(0, dtype=np.int64), *joints])] = True
+    for each in joints:  # numbers on the first blade
+        kept[each.ravel() + len(position) // blades * np.arange(blades)[:, None]] = True
     if kept.all():
         return part
     numbers = np.bincount(blade[kept], minlength=blades)

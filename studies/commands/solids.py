@@ -57,6 +57,9 @@ def mesh3d(
     hub_at: str | None = None,
     contact: str = "tip",
     contacts: options.MaybeNumber = None,
+    joint_left: str | None = None,
+    joint_right: str | None = None,
+    joint_nodes: options.MaybeNumber = None,
     blade: str | None = None,
     left: str | None = None,
     right: str | None = None,
@@ -93,6 +96,10 @@ def mesh3d(
         contact: Group of the contact nodes, condition, or outermost.
         contacts: Number of contact nodes, spread along the chord of --contact; of each blade with
             --copies.
+        joint_left: Group, or condition, of the clockwise surface that touches the blade before in a
+            [[joint]], such as that of a shroud.
+        joint_right: Group, or condition, of the counter-clockwise surface of this joint.
+        joint_nodes: Number of pairs of nodes of the joint, far from each other. Default: all.
         blade: Group of the blade of a sector, whose stiffness mistuning changes.
         left: Group of the clockwise face of a sector; with --copies alone faces are found.
         right: Group of the counter-clockwise face of a sector.
@@ -183,6 +190,8 @@ def _facts(part: Superelement) -> dict[str, str]:
     shown = {"name": part.name, "source": part.source, "coordinates": str(part.size)}
     if part.whole_mass is not None:
         shown["mass"] = f"{part.whole_mass:.6g} kg"
+    if part.joint_left is not None:
+        shown["joints"] = f"{len(part.joint_left)} pairs of contact nodes with neighbouring blades"
     shown |= {"radius": radius, "along the axis z": axial}
     if part.left_dofs is not None:
         shown["sectors"] = f"{part.sectors}, with {len(part.left_dofs)} free nodes on each cut face"

@@ -111,25 +111,29 @@ CALCULIX = json.loads((ROOT / "tests" / "data" / "solids" / "calculix.json").rea
 """Natural frequencies [Hz], printed with seven digits by CalculiX; calculix.py made the file."""
 
 
-def bladed_sector(cell_type: str) -> meshio.Mesh:
+def bladed_sector(cell_type: str, *, shroud: bool = False) -> meshio.Mesh:
     """Return a twelfth of a bladed disk with curved cells: a ring of radii 50 to 90 mm, which holds
-    a blade up to 150 mm that leans backward."""
+    a blade up to 150 mm that leans backward and may have a shroud at its end."""
 
     def shape(place: Array) -> Array:
         r = 0.05 + 0.1 * place[:, 0]
         theta = 2.0 * np.pi / SECTORS * (place[:, 1] - 0.5)
         blade = np.maximum(r - 0.09, 0.0)
-        theta = theta * (1.0 - 5.0 * blade) - 3.0 * blade
-        z = 0.02 * (place[:, 2] - 0.5) * (1.0 - 5.0 * blade) + blade * (place[:, 1] - 0.5)
+        theta = theta * (1.0 if shroud else 1.0 - 5.0 * blade) - 3.0 * blade
+        z = 0.02 * (place[:, 2] - 0.5) * (1.0 - 5.0 * blade)
+        if not shroud:
+            z += blade * (place[:, 1] - 0.5)
         return np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
 
     return grid_mesh(
         *((5, 3, 1), shape, cell_type),
-        lambda centre: centre[0] < 0.4 or 1 / 3 < centre[1] < 2 / 3,
+        lambda centre: centre[0] < 0.4 or 1 / 3 < centre[1] < 2 / 3 or (shroud and centre[0] > 0.8),
         root=lambda place: place[:, 0] == 0.0,
         tip=lambda place: place[:, 0] == 1.0,
         left=lambda place: (place[:, 1] == 0.0) & (place[:, 0] <= 0.4 + 1e-9),
         right=lambda place: (place[:, 1] == 1.0) & (place[:, 0] <= 0.4 + 1e-9),
+        clockwise=lambda place: (place[:, 1] == 0.0) & (place[:, 0] >= 0.8 - 1e-9),
+        ahead=lambda place: (place[:, 1] == 1.0) & (place[:, 0] >= 0.8 - 1e-9),
     )
 
 
