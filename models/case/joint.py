@@ -76,6 +76,9 @@ class Joint(ReplacedKeys):
     )
     """Normal force of the joint at rest [N], the sum of its nodes. It is converted to an
     overclosure by the static compliance of blades that all move alike, without friction."""
+    opening_by_speed: bool = False
+    """Whether the centrifugal load of the file opens or closes the joint by its static
+    displacements, of blades that all move alike; gap, overclosure and preload are those at rest."""
     kind: Literal["shroud"] = "shroud"
     """"shroud": surfaces of the blades touch each other."""
 

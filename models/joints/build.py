@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
@@ -16,6 +17,7 @@ from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.models.stage.forced import ForcedRotor, forced_rotor
 from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.superelements.cyclic import transformation
 
 ALIKE = 1e-6  #: largest relative difference of forces on equal blades
 
@@ -164,15 +166,16 @@ def _check_alike(stage: Matrices, loads: Sequence[EngineOrder], flexible: FloatA
 
 
 def overclosures(stage: Matrices, pairs: JointNodes) -> FloatArray:
-    """Return the gaps of the nodes of joints without displacements; each preload is the sum of the
-    forces on the nodes of its joint, whose overclosure is the same [m], (nodes,).
+    """Return the gaps of the nodes of joints without displacements from the state of steady
+    rotation; each preload is the sum of the forces on the nodes of its joint at rest, whose
+    overclosure is the same [m], (nodes,).
 
     Args:
         stage: stage with joints.
         pairs: its pairs of nodes.
 
     Raises:
-        CaseError: a preload is not possible.
+        CaseError: a preload is not possible, or the file does not tell the opening by the speed.
     """
     joints, joint = stage.case.joint, pairs.joint
     gap = np.array([each.gap or -(each.overclosure or 0.0) for each in joints])
@@ -193,7 +196,8 @@ def overclosures(stage: Matrices, pairs: JointNodes) -> FloatArray:
                     " one of them, so that overclosure has to be given"
                 )
                 raise CaseError([case_fault(stage.case, f"joint.{n}.preload", expected)])
-    return np.asarray(gap[joint])
+    opens = np.array([each.opening_by_speed for each in joints])[joint]
+    return np.asarray(gap[joint] + np.where(opens, _opening(stage, pairs), 0.0))
 
 
 def _alike(stage: Matrices, pairs: JointNodes) -> FloatArray:
@@ -204,3 +208,29 @@ def _alike(stage: Matrices, pairs: JointNodes) -> FloatArray:
     rows = np.tile(left + right, own)
     static = reduced.compliance + (reduced.contact / reduced.squares) @ reduced.contact.T
     return np.asarray(rows @ static @ rows.T / own)
+
+
+def _opening(stage: Matrices, pairs: JointNodes) -> FloatArray:
+    """Return the static opening of the nodes of joints by the rotation [m], (nodes,); zero if it is
+    not needed.
+
+    Raises:
+        CaseError: the file does not tell it.
+    """
+    case, table = stage.case, stage.table
+    wanted = [n for n, each in enumerate(case.joint) if each.opening_by_speed]
+    if not wanted:
+        return np.zeros(len(pairs.joint))
+    part = stage.given
+    if part.centrifugal_load is None or table.kind == "wheel":
+        expected = "false, or a blade or a sector with centrifugal_load in the file"
+        raise CaseError([case_fault(case, f"joint.{wanted[0]}.opening_by_speed", expected)])
+    if case.rotation.effects != "none":
+        part = part.at(stage.speed, case.rotation.effects)
+    tie = sp.eye_array(part.size, format="csr")
+    if table.kind == "sector":
+        tie = transformation(part, table.copies, 0)
+    stiffness = sp.csc_array(tie.T @ sp.csr_array(part.stiffness) @ tie)
+    moved = tie @ spsolve(stiffness, stage.speed**2 * (tie.T @ part.centrifugal_load))
+    left, right = np.split(_rows(pairs, part.contacts), 2)
+    return np.asarray(((left + right) @ (part.contact_rows @ moved))[::DIRECTIONS])

@@ -78,3 +78,22 @@ def test_all_blades_have_the_flexibility_of_their_waves(tmp_path: Path) -> None:
         turn = np.exp(-2j * np.pi * k / BLADES * np.arange(BLADES))
         wave = np.einsum("a,aibj,b->ij", turn, static, turn.conj()) / BLADES
         assert wave == pytest.approx(given.flexibility(k, 0.0), rel=1e-9, abs=1e-15)
+
+
+def test_a_joint_opens_by_the_static_displacements_of_the_rotation(tmp_path: Path) -> None:
+    part = blade()
+    load = np.zeros(len(part.mass))
+    load[part.contact_dofs[0]] = [0.0, -2e-4, 1e-4]  # of 1 rad/s
+    load[part.contact_dofs[1]] = [0.0, -1e-4, 3e-4]
+    file = tmp_path / "loaded.npz"
+    bw.write_superelement(file, replace(part, centrifugal_load=load))
+    own = tables(tmp_path, overclosure=1e-5, opening_by_speed=True)
+    own["bladed_disk"]["superelement"]["file"] = str(file)
+    stage = build_stage(bw.case_from(own))
+    assert isinstance(stage, Matrices)
+    moved = stage.speed**2 * np.linalg.solve(np.asarray(part.stiffness), load)
+    at = (part.contact_rows @ moved).reshape(-1, 3)
+    opened = (at[0] - at[1]) @ [0.0, np.cos(np.pi / 6.0), 0.5]
+    assert jointed_wheel(stage).gap == pytest.approx([opened - 1e-5])
+    with pytest.raises(bw.CaseError, match="centrifugal_load"):
+        wheel(tmp_path, opening_by_speed=True)
