@@ -218,6 +218,9 @@ class MatrixDisk(ModalDisk):
         return replace(
             stage,
             **{name: getattr(stage, name)[first] for name in names},
+            point_number=none.astype(np.int64),
+            point_young_modulus=none,
+            point_poisson_ratio=none,
             stress_shape=none,
             stress_by_force=none,
             steady_stress=none,

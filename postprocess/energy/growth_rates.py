@@ -237,11 +237,8 @@ def longest_half_period(dataset: xr.Dataset) -> float:
 
 
 def _wave_frequencies(dataset: xr.Dataset) -> list[Array]:
-    """Return the frequencies of the backward and forward wave of each rotor mode [rad/s]; that of
-    the mode if its waves are unknown."""
+    """Return the frequencies of the backward and forward wave of each rotor mode [rad/s]."""
     stage = dataset.variables
-    if "rotor_backward_frequency" not in stage:
-        return [stage["rotor_frequency"].values] * 2
     return [stage[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
 
 

@@ -17,6 +17,7 @@ from bladewhirl.postprocess.fields import windows
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
@@ -54,7 +55,7 @@ def strain_energies(
     Returns:
         energies [J] over time: `suspension`, the modes in which the body moves on the shaft
         springs; `rest`, the modes in no other group; `total`. Over (time, nodal_diameter):
-        `first_family`, the first blade family. Without families of modes only `rest` and `total`.
+        `first_family`, the first blade family, which has no nodal diameter if modes are not named.
 
     Example:
         ``strain_energies(result)["first_family"].sel(nodal_diameter=1).plot()``
@@ -62,18 +63,12 @@ def strain_energies(
     result = windows.in_window(result, start, end)
     energy, diameters = group_energies(result)
     variables: dict[str, Any] = {
+        "suspension": ("time", energy[:, 0], "J"),
+        "first_family": (("time", "nodal_diameter"), energy[:, 1:-1], "J"),
         "rest": ("time", energy[:, -1], "J"),
         "total": ("time", energy.sum(axis=1), "J"),
     }
-    coordinates = {"time": result["time"].values}
-    if "rotor_family" in result:
-        family = ("time", "nodal_diameter"), energy[:, 1:-1], "J"
-        variables = {
-            "suspension": ("time", energy[:, 0], "J"),
-            "first_family": family,
-            **variables,
-        }
-        coordinates["nodal_diameter"] = diameters
+    coordinates = {"time": result["time"].values, "nodal_diameter": diameters}
     title = "strain energy of the bladed disk with its shaft springs"
     return labelled(result, title, variables, coordinates)
 
@@ -82,18 +77,13 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
     """Return the strain energy of each group of modes [J], (time, groups), and the nodal diameters
     of the first blade family, (groups - 2,).
 
-    The first group is the suspension, the last group all other modes. Between them the first blade
-    family has a group for each nodal diameter. Without families of modes the last group is the only
-    one. After a loss of blades, or after a support has fused, the sum is the strain energy of what
-    remains; the groups are those of the modes before, and the last group has the rest.
+    The first group is the suspension, the last group all other modes: all modes if a stage does not
+    name them, and a shaft line with its bearings. Between them the first blade family has a group
+    for each nodal diameter. After a loss of blades, or after a support has fused, the
+    sum is the strain energy of what remains; the groups are those of the modes before, and the last
+    group has the rest.
     """
     stage = result.variables
-    if "line_energy" in stage:
-        return stage["line_energy"].values[:, None], np.zeros(0, np.int64)
-    if "rotor_family" not in stage:
-        whole = 0.5 * stage["rotor_frequency"].values[None] ** 2
-        energy = reduce_modes(result, "rotor_displacement", whole, np.square)
-        return energy, np.zeros(0, np.int64)
     family, diameter = stage["rotor_family"].values, stage["rotor_nodal_diameter"].values
     first = family == FIRST_FAMILY
     diameters = np.unique(diameter[first])
@@ -101,7 +91,9 @@ def group_energies(result: xr.Dataset) -> tuple[Array, IntArray]:
     groups.append(~np.logical_or.reduce(groups))
     weights = 0.5 * stage["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
     energy = reduce_modes(result, "rotor_displacement", weights, np.square)
-    if "strain_energy" in stage:
+    if has(result, "line"):
+        energy[:, -1] = stage["line_energy"].values
+    if has(result, "changes"):
         changed = _changed(result)
         total = stage["strain_energy"].values[changed]
         energy[changed, -1] = total - energy[changed, :-1].sum(axis=1)
@@ -121,9 +113,9 @@ def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
     All nodal diameters of the first family except 0 and 1 are added together. Without families of
     modes there is only the total. `energies` has the variables of `strain_energies`.
     """
-    if "first_family" not in energies:
-        return {"total": energies["total"]}
     family = energies["first_family"]
+    if not family.size:
+        return {"total": energies["total"]}
     k = family["nodal_diameter"].values
     members = {"k = 0": k == 0, "k = 1": k == 1, "other k": (k != 0) & (k != 1)}
     return {

@@ -35,7 +35,7 @@ class Works(TypedDict):
     normal: float  #: work of the normal contact forces
     closing: float | None  #: part of `normal` that stops tips as gaps close; None if unknown
     friction: float
-    springs: float | None  #: work of turning the rotor against stationary springs; None if unknown
+    springs: float  #: work of turning the rotor against stationary springs
     joints: float | None  #: work of friction joints between blades; None without joints
     damping: float
     drive: float | None  #: None if unknown
@@ -45,22 +45,19 @@ class Works(TypedDict):
 def works(dataset: xr.Dataset) -> Works:
     """Return the works of a run up to its last record."""
 
-    def known(name: str) -> float | None:
-        stored = dataset.variables.get(f"{name}_work")
-        return None if stored is None or np.isnan(stored[-1].values) else float(stored[-1].values)
-
     def last(name: str) -> float:
         return float(dataset.variables[f"{name}_work"][-1].values)
 
     normal, friction = last("normal"), last("friction")
     drive, heat = float(drive_work(dataset)[-1]), float(friction_supply(dataset)[-1]) - friction
+    closing = last("closing")
     return Works(
         load=last("external"),
         normal=normal,
-        closing=known("closing"),
+        closing=None if np.isnan(closing) else closing,
         friction=friction,
-        springs=known("coupling"),
-        joints=float(_joint_work(dataset)[-1]) if "joint_work" in dataset else None,
+        springs=last("coupling"),
+        joints=float(_joint_work(dataset)[-1]) if has(dataset, "joints") else None,
         damping=-last("damping"),
         drive=None if np.isnan(drive) else drive,
         heat=heat,
@@ -97,14 +94,13 @@ def work_histories(dataset: xr.Dataset) -> xr.Dataset:
         "load": dataset["external_work"],
         "normal": dataset["normal_work"],
         "friction": dataset["friction_work"],
+        "springs": dataset["coupling_work"],
         "damping": -dataset["damping_work"],
         "energy": dataset["energy"],
     }
-    if "coupling_work" in dataset:
-        terms["springs"] = dataset["coupling_work"]
-    if "joint_work" in dataset:
+    if has(dataset, "joints"):
         terms["joints"] = xr.DataArray(_joint_work(dataset), dims="time")
-    if "closing_work" in dataset and not dataset["closing_work"].isnull().any():
+    if not dataset["closing_work"].isnull().any():
         terms["closing"] = dataset["closing_work"]
         terms["passing"] = terms.pop("normal") - dataset["closing_work"]
     described = {name: ("time", term.values, "J") for name, term in terms.items()}
@@ -141,7 +137,7 @@ def drive_work(dataset: xr.Dataset) -> Array:
     histories = dataset.variables
     if float(dataset.attrs["speed"]) == 0.0:
         return np.zeros(dataset.sizes["time"])
-    if "coating_impulse" in histories or "closing_work" not in histories:
+    if "coating_impulse" in histories:
         return np.full(dataset.sizes["time"], np.nan)
     passing = histories["normal_work"].values - histories["closing_work"].values
     return np.asarray(passing - _closure_work(dataset) + friction_supply(dataset))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, contact_vectors, tip_rows
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, tip_rows
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.result import portions
 
@@ -60,12 +60,8 @@ def blade_angles(dataset: xr.Dataset) -> Array:
 
 
 def blade_radii(dataset: xr.Dataset) -> Array:
-    """Return the mean radius of the contact nodes of each blade [m], (blade,). That of a tip that
-    grows with the speed follows from its distance to the radius from which the clearance is
-    measured."""
-    if "tip_growth" in dataset:
-        return np.asarray(dataset.attrs["tip_radius"] - dataset["tip_recess"].values)
-    return blade_means(dataset, dataset["contact_radius"].values)
+    """Return the mean radius of the contact nodes of each blade, turning steadily, (blade,) [m]."""
+    return blade_means(dataset, dataset["contact_radius"].values + dataset["tip_growth"].values)
 
 
 def diameter_shares(dataset: xr.Dataset) -> Array:
@@ -110,5 +106,5 @@ def largest_displacement(dataset: xr.Dataset) -> float:
 def _motions(dataset: xr.Dataset) -> Iterator[Array]:
     """Yield the displacements of contact nodes for portions of the records, nan for lost blades."""
     for portion in portions(dataset):
-        moved = contact_vectors(dataset, np.arange(portion.start, portion.stop))
-        yield masked(dataset.isel(time=portion), moved)
+        part = dataset.isel(time=portion)
+        yield masked(part, part["contact_displacement"].values)

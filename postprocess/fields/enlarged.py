@@ -31,6 +31,7 @@ from bladewhirl.models.stage.coating import axial_tracks
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import contact_nodes, points_of
 
 #: drawn clearance divided by the tip radius, if the factor is chosen automatically
@@ -77,7 +78,7 @@ class EnlargedWall:
         #: angle from the casing's to the rotor's axes (record,) [rad]
         self.turns = kinematics.turn(dataset, records)
         self.angle = kinematics.wall_angles(dataset, per_element)
-        if "casing_shape" in dataset:
+        if has(dataset, "casing"):
             ring = kinematics.combine(
                 history(dataset, "casing_displacement", records),
                 kinematics.casing_rows(dataset, self.angle),
@@ -91,7 +92,7 @@ class EnlargedWall:
             self.wall_width = 0.0  #: axial width [m]; 0 for a rigid wall, whose width is not known
         self._closure = kinematics.closure_change(dataset, records, self.angle)
         coating = kinematics.table_of_result(dataset, "casing", Casing).coating
-        if "coating_strain" not in dataset:
+        if not has(dataset, "coating"):
             coating = None
         #: depth of the coating at which tips touch the metal [m]
         self.coating = coating.limit * coating.thickness if coating else 0.0
@@ -184,7 +185,7 @@ class EnlargedStage(EnlargedWall):
             largest = max(largest, _largest(moved))
             self.largest_bend = max(self.largest_bend, _largest(moved - np.append(centre, 0.0)))
         self._node_motion = rotate(
-            kinematics.contact_vectors(dataset, records), dataset["tip_angle"].values
+            history(dataset, "contact_displacement", records), dataset["tip_angle"].values
         )
         self._drawn_back = body.drawn_back(records)
         self.size = float(min(self.tip_radius, np.ptp(body.of_copy, axis=0).max()))

@@ -11,11 +11,12 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
-from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.meshes.plane import rotate, unit
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.file import TableT, table_of
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields import rotation
+from bladewhirl.postprocess.fields.netcdf import has
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -162,26 +163,10 @@ def tip_rows(dataset: xr.Dataset) -> Array:
     """Return radial, tangential and axial displacements of the contact nodes for unit modal
     coordinates, (component, contact_node, rotor_mode), positive outward and counter-clockwise.
     """
-    if "contact_shape" in dataset:
-        shape, copies = dataset["contact_shape"].values, dataset.sizes["copy"]
-        own = shape.reshape(copies, -1, *shape.shape[1:])
-        rows = np.einsum("cnam,cd->acndm", own, np.eye(copies))
-        return np.asarray(rows.reshape(3, len(shape), -1))
-    angle = dataset["tip_angle"].values
-    axes = directions(angle), np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
-    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
-    rows = np.stack([np.einsum("bd,bdm->bm", axis, shapes) for axis in axes])
-    return np.concatenate([rows, 0.0 * rows[:1]])  # beams do not move along the axis
-
-
-def contact_vectors(dataset: xr.Dataset, records: IntArray) -> Array:
-    """Return radial, tangential and axial displacements of the contact nodes in rotating axes at
-    some records [m], (record, contact_node, 3), with the part of their own flexibility."""
-    if "contact_displacement" in dataset:
-        return history(dataset, "contact_displacement", records)
-    coordinates, rows = history(dataset, "rotor_displacement", records), tip_rows(dataset)
-    moved = coordinates @ rows.reshape(-1, rows.shape[-1]).T
-    return np.moveaxis(moved.reshape(len(records), *rows.shape[:2]), 1, 2)
+    shape, copies = dataset["contact_shape"].values, dataset.sizes["copy"]
+    own = shape.reshape(copies, -1, *shape.shape[1:])
+    rows = np.einsum("cnam,cd->acndm", own, np.eye(copies))
+    return np.asarray(rows.reshape(3, len(shape), copies * shape.shape[-1]))
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
@@ -192,7 +177,7 @@ def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
 
 def wall_angles(dataset: xr.Dataset, per_element: int) -> Array:
     """Return the angles of `ring_angles`; on a rigid wall `per_element` equal steps [rad]."""
-    if "casing_shape" in dataset:
+    if has(dataset, "casing"):
         return ring_angles(dataset, per_element)
     return np.linspace(0.0, 2 * np.pi, per_element, endpoint=False)
 
@@ -300,8 +285,8 @@ def record_lengths(dataset: xr.Dataset) -> Array:
 
 
 def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
-    """Return the force of the casing on each contact node (record, contact_node, 2) [N], normal and
-    friction together, with a third component if there is axial friction.
+    """Return the force of the casing on each contact node (record, contact_node, 3) [N], normal and
+    friction together.
 
     The force is the impulse since the previous record divided by the time since that record. This
     mean force converges as the time step decreases, while the peak force does not. The normal part
@@ -309,11 +294,12 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     without contact impulses, such as a mode.
     """
     if "contact_impulse" not in dataset:
-        return np.zeros((len(records), dataset.sizes["contact_node"], 2))
+        return np.zeros((len(records), dataset.sizes["contact_node"], 3))
     pushed = [-history(dataset, f"{kind}_impulse", records) for kind in ("contact", "friction")]
-    if "axial_impulse" in dataset:
-        pushed.append(history(dataset, "axial_impulse", records))
-    polar = np.stack(pushed, axis=-1) / record_lengths(dataset)[records, None, None]
+    polar = (
+        np.stack([*pushed, history(dataset, "axial_impulse", records)], axis=-1)
+        / record_lengths(dataset)[records, None, None]
+    )
     angle = dataset["tip_angle"].values[None]
     return rotate(polar, angle if rotating else angle + turn(dataset, records)[:, None])
 

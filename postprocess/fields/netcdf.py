@@ -18,7 +18,7 @@ from xarray.core import indexing
 
 from bladewhirl.meshes.hdf5 import open_hdf5
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.solvers.march.schema import TIME, Variable
+from bladewhirl.solvers.march.schema import TIME, Variable, parts_of
 from bladewhirl.solvers.march.storage import CutFile
 
 #: largest plausible magnitude of a number in SI units; a positive number is larger than 1 / MOST
@@ -250,6 +250,13 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
         if not isinstance(text, str) or any("\ud800" <= letter <= "\udfff" for letter in text):
             return f"attribute {name!r} to be text, found {text!r:.60}"
     return ""
+
+
+def has(dataset: xr.Dataset, part: str) -> bool:
+    """Return whether a result has a part that not every stage has, see
+    `solvers.march.schema.Variable`: a "centre", a flexible "casing", a shaft "line", "lines" of
+    beams, "gauges", "stress" at points of a file, a "coating" and others."""
+    return part in parts_of(map(str, dataset.variables))
 
 
 def need(dataset: xr.Dataset, *names: str) -> None:

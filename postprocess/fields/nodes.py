@@ -38,7 +38,7 @@ def displacement(
     if not isinstance(result, xr.Dataset):
         with open_result(result) as dataset:
             return displacement(dataset, point, copy=copy).load()
-    need(result, "copy_angle")
+    need(result, "point_shape")
     points, copies = result.sizes.get("point", 0), result.sizes["copy"]
     if not 0 <= point < points:
         raise ViewError(f"point {point}: expected a point from 0 to {points - 1}")

@@ -15,6 +15,7 @@ import xarray as xr
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
+from bladewhirl.postprocess.fields.netcdf import has
 
 ROOT = np.sqrt(3.0)
 VON_MISES = np.array(
@@ -33,8 +34,8 @@ PRODUCTS = np.array([[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
 
 
 def has_stresses(dataset: xr.Dataset) -> bool:
-    """Return true for the result of a superelement whose file gives the recovery of stress."""
-    return "stress_shape" in dataset
+    """Return true for beams, and for a superelement whose file gives the recovery of stress."""
+    return has(dataset, "lines") or has(dataset, "stress")
 
 
 class PointStresses:
@@ -51,6 +52,11 @@ class PointStresses:
         self.points = dataset.sizes["point"]  #: number of points of a copy
         self._modes = self._terms(dataset["stress_shape"].values)
 
+    @property
+    def steady(self) -> bool:
+        """Whether the stress of steady rotation is part of the result."""
+        return "steady_stress" in self._dataset
+
     @cached_property
     def _forces(self) -> Array:
         """Terms by unit contact forces, (distances, 5 points of a sector, 3 nodes of a sector)."""
@@ -61,7 +67,7 @@ class PointStresses:
     @cached_property
     def _steady(self) -> Array | float:
         """Terms by steady rotation, (5 points,); 0 if they are not part of the result."""
-        if "steady_stress" not in self._dataset:
+        if not self.steady:
             return 0.0
         return np.asarray((self._dataset["steady_stress"].values @ VON_MISES.T).ravel())
 

@@ -26,6 +26,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     line_rows,
 )
 from bladewhirl.postprocess.fields.lost_blades import lost_beams, lost_blades
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
 from bladewhirl.postprocess.fields.strains import rotor_sections, rotor_strain_rows
 
@@ -41,6 +42,7 @@ class Recovered(NamedTuple):
     signed: bool
     at: Callable[[IntArray], Array] = lambda _: NO_VALUES
     """Function of records that returns the values (record, point, side); surfaces have one side."""
+    steady: bool = False  #: whether it has the part of steady rotation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +105,7 @@ def points_of(dataset: xr.Dataset, pieces: int) -> Points:
     Raises:
         ViewError: the stage has no points.
     """
-    return _of_beams(dataset, pieces) if "rotor_line" in dataset else _of_solids(dataset)
+    return _of_beams(dataset, pieces) if has(dataset, "lines") else _of_solids(dataset)
 
 
 def contact_nodes(dataset: xr.Dataset) -> Array:
@@ -175,11 +177,11 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
 
 
 def _of_solids(dataset: xr.Dataset) -> Points:
-    if "shaft_shape" in dataset and not dataset.sizes["contact_node"]:
+    if not dataset.sizes["contact_node"]:
         raise ViewError(
             "expected a bladed disk; `bladewhirl export` writes a series of a shaft line"
         )
-    if "point_shape" not in dataset:
+    if not has(dataset, "points"):
         raise ViewError(NO_POINTS)
     points, copies = dataset.sizes["point"], dataset.sizes["copy"]
     angle = dataset["copy_angle"].values
@@ -201,7 +203,9 @@ def _of_solids(dataset: xr.Dataset) -> Points:
     modes = dataset.sizes["rotor_mode"]
     if has_stresses(dataset):
         stresses = PointStresses(dataset)
-        recovered["stress"] = Recovered("von Mises stress", "Pa", False, stresses.on_sides)
+        recovered["stress"] = Recovered(
+            "von Mises stress", "Pa", False, stresses.on_sides, stresses.steady
+        )
     return Points(
         rest=rest,
         cells=np.vstack([cells + points * number for number in range(copies)]),
@@ -212,9 +216,7 @@ def _of_solids(dataset: xr.Dataset) -> Points:
         part=np.zeros(len(rest), dtype=np.int64),
         shape=dataset["point_shape"].values,
         copy_angle=angle,
-        centre=dataset["centre_shape"].values
-        if "centre_shape" in dataset
-        else np.zeros((2, modes)),
+        centre=dataset["centre_shape"].values if has(dataset, "centre") else np.zeros((2, modes)),
         contact=KDTree(rest).query(nodes)[1],
         recovered=recovered,
         **lost,

@@ -12,9 +12,13 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core import indexing
 
+from bladewhirl.meshes.plane import rotate
+from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, table_of_result, tip_rows
 from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
 from bladewhirl.postprocess.fields.netcdf import (
     attribute_fault,
@@ -24,6 +28,7 @@ from bladewhirl.postprocess.fields.netcdf import (
 from bladewhirl.solvers.march import schema
 
 PORTION = 4096  #: records read at a time: 5 MB for 156 modes
+DERIVED = "derived"  #: name of the attribute with the names of the variables that `completed` adds
 OLDEST_FORMAT = 10  #: of results that are read; older ones name contact nodes otherwise
 BLOCK = 256  #: records multiplied at a time, which remain in the cache
 ATTRIBUTES = (
@@ -50,7 +55,7 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     try:
         if fault := result_fault(dataset):
             raise ResultError(f"{file}: expected {fault}")
-        complete = with_coordinates(dataset)
+        complete = with_coordinates(_stored(dataset))
     except ResultError:
         dataset.close()
         raise
@@ -59,16 +64,9 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
 
 
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result with all coordinates of the schema, and with empty arrays of contact nodes
-    for a shaft line without a wheel."""
-    table = schema.STAGE
-    indices = {
-        name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
-        for name, variable in schema.NAMES.items()
-        if name in dataset.dims and name not in dataset.coords
-    }
-    described = [name for name in dataset if name in table and table[str(name)].is_coordinate]
-    empty = {}
+    """Return a result with all coordinates of the schema, with empty arrays of contact nodes for a
+    shaft line without a wheel, and with what follows from the stored arrays, see `completed`."""
+    table, empty = schema.STAGE, {}
     if not _has_wheel(dataset):
         sizes = dict.fromkeys(schema.OF_WHEEL, 0) | {schema.TIME: dataset.sizes[schema.TIME]}
         empty = {
@@ -76,8 +74,13 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
             for name, variable in {**schema.HISTORY, **table}.items()
             if not variable.part and schema.OF_WHEEL.intersection(variable.dimensions)
         }
-    dataset = dataset.assign(empty)
-    described += [name for name in empty if name in table and table[name].is_coordinate]
+    dataset = completed(dataset.assign(empty))
+    indices = {
+        name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
+        for name, variable in schema.NAMES.items()
+        if name in dataset.dims and name not in dataset.coords
+    }
+    described = [name for name in dataset if name in table and table[str(name)].is_coordinate]
     complete = dataset.assign_coords(indices).set_coords(described)
     return complete if "blade" in complete.xindexes else complete.set_xindex("blade")
 
@@ -109,7 +112,79 @@ def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None
         arrays: arrays that describe the stage.
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
-    return described({**arrays.stored, **(motion or {})})
+    return completed(described({**arrays.stored, **(motion or {})}))
+
+
+class _ContactMotion(BackendArray):
+    """Displacement of the contact nodes of beams, computed when used.
+
+    Args:
+        motion: modal coordinates, (time, modes).
+        rows: displacement of the nodes for unit modal coordinates, (3, contact_node, modes).
+    """
+
+    def __init__(self, motion: xr.Variable, rows: Array) -> None:
+        self._motion, self._rows = motion, np.swapaxes(rows, 0, 1)
+        self.shape, self.dtype = (len(motion), *self._rows.shape[:2]), rows.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        """Return a part of the array."""
+        return indexing.explicit_indexing_adapter(
+            key, self.shape, indexing.IndexingSupport.OUTER, self._part
+        )
+
+    def _part(self, key: tuple[Any, ...]) -> Array:
+        time, node, direction = key
+        rows = self._rows[node][..., direction, :]
+        return np.tensordot(self._motion[time].values, rows, (-1, -1))
+
+
+def completed(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a stage with what every stage has, whether its result stores it or not.
+
+    Contact nodes of beams, of which there is one copy, move with nodes of the mesh, and no force
+    acts on them along the axis. A file of matrices gives no growth of the tips by steady rotation,
+    and no families of modes: their names are then empty, and the nodal diameter is -1. The springs
+    of its shaft are those of the case, and the work of closing tips is unknown.
+    """
+    frequency, nodes = dataset["rotor_frequency"].values, dataset.sizes["contact_node"]
+    modes = len(frequency)
+    known: dict[str, Any] = {
+        "contact_shape": np.zeros((0, 3, modes)),
+        "copy_angle": np.zeros(1),
+        "tip_growth": np.zeros(nodes),
+        "rotor_backward_frequency": frequency,
+        "rotor_forward_frequency": frequency,
+        "rotor_nodal_diameter": np.full(modes, -1),
+        "rotor_family": np.full(modes, ""),
+    }
+    if "shaft_stiffness" not in dataset:
+        known["shaft_stiffness"] = np.array(table_of_result(dataset, "shaft", Shaft).springs)
+    if "time" in dataset.dims:
+        known["closing_work"] = np.full(dataset.sizes["time"], np.nan)
+        known["axial_impulse"] = np.broadcast_to(0.0, (dataset.sizes["time"], nodes))
+    if nodes and "contact_shape" not in dataset:
+        angle = dataset["tip_angle"].values[:, None]
+        shape = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
+        known["contact_shape"] = np.pad(rotate(shape, -angle, axis=1), ((0, 0), (0, 1), (0, 0)))
+    found: dict[str, Any] = {
+        name: _entry(schema.RESULT[name], each)
+        for name, each in known.items()
+        if name not in dataset
+    }
+    complete = dataset.assign(found)
+    if "rotor_displacement" in dataset and "contact_displacement" not in dataset:
+        motion = _ContactMotion(dataset.variables["rotor_displacement"], tip_rows(complete))
+        lazy, variable = indexing.LazilyIndexedArray(motion), schema.RESULT["contact_displacement"]
+        moved = xr.Variable(variable.dimensions, lazy, variable.attributes)
+        complete = complete.assign(contact_displacement=moved)
+    added = complete.variables.keys() - _stored(dataset).variables.keys()
+    return complete.assign_attrs({DERIVED: " ".join(sorted(map(str, added)))})
+
+
+def _stored(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result without the variables that `completed` added before it was saved."""
+    return dataset.drop_vars(str(dataset.attrs.get(DERIVED, "")).split(), errors="ignore")
 
 
 def described(values: Mapping[str, Any]) -> xr.Dataset:
@@ -142,7 +217,7 @@ def result_fault(dataset: xr.Dataset) -> str:
     record, and what was found. Return an empty text if there is no fault."""
     if fault := attribute_fault(dataset.attrs):
         return fault
-    made_by = dataset.attrs.get("format", 1)
+    dataset, made_by = _stored(dataset), dataset.attrs.get("format", 1)
     if made_by > schema.RESULT_FORMAT:
         return (
             f"a result of format {schema.RESULT_FORMAT} or older, found format {made_by}; a newer"

@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields.netcdf import has
+
 NODES = 128  #: number of nodes of the drawn wall
 
 THICKNESS = 0.02  #: thickness of the drawn wall, divided by its radius
@@ -11,7 +13,7 @@ THICKNESS = 0.02  #: thickness of the drawn wall, divided by its radius
 def with_wall(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result whose rigid wall is a casing with one mode, in which nothing moves, and whose
     width is zero, as it is not known; a result with a flexible casing is returned unchanged."""
-    if "casing_shape" in dataset:
+    if has(dataset, "casing"):
         return dataset
     records = dataset.sizes["time"]
     size = THICKNESS * float(dataset.attrs["casing_radius"])

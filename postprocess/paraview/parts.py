@@ -287,7 +287,7 @@ class StageParts:
         """Return the contact nodes that are not lost, turned by an angle [rad]."""
         dataset, records = self._dataset, np.array([record])
         rest, angle = contact_nodes(dataset) + self._front, dataset["tip_angle"].values
-        moved = rotate(kinematics.contact_vectors(dataset, records)[0], angle)
+        moved = rotate(history(dataset, "contact_displacement", records)[0], angle)
         rows = kinematics.tip_rows(dataset) @ dataset["rotor_velocity"][record].values
         spin = 0.0 if self._rotating else rotation.speeds(dataset)[record]
         rate = rotate(rows.T, angle) + spin * np.cross(UP, moved)
@@ -299,7 +299,7 @@ class StageParts:
             "displacement": rotate(moved, turn),
             "velocity": rotate(rate, turn),
             "gap": dataset["gap"][record].values,
-            "contact_force": np.pad(force, ((0, 0), (0, 3 - force.shape[1]))),
+            "contact_force": force,
             "warp": rotate(stage.contact_nodes(index) + self._front - rest, turn),
         }
         cells = [("vertex", kept[:, None])]

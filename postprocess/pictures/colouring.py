@@ -20,6 +20,7 @@ from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import masked
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points, Recovered
 from bladewhirl.postprocess.fields.strains import casing_strain_rows
 from bladewhirl.postprocess.pictures.choices import Field
@@ -196,7 +197,7 @@ def _casing(
             depth = depth.max(axis=1)
         # In space, stations of one track after another.
         return _on_both_sides(depth.reshape(len(records), -1))
-    if field == "gap" or "casing_shape" not in dataset:
+    if field == "gap" or not has(dataset, "casing"):
         return np.full((len(records), len(angle), 2), np.nan)
     if field not in MAGNITUDES:
         ring = casing_strain_rows(dataset, per_element)

@@ -88,8 +88,7 @@ class StageSymbols:
         springs = 0 if dataset.attrs.get("clamped", 0) else 2
         self._shaft_springs = (SHAFT_SPRING * SPRING * (SMALL * radius) * np.eye(2))[:springs]
         self._shaft_dampers = -self._shaft_springs[_positive(dataset, "shaft_damping", springs)]
-        frame = dataset["shaft_frame"].values if "shaft_frame" in dataset else "rotating"
-        self._static_springs = str(frame) == "static"
+        self._static_springs = str(dataset["shaft_frame"].values) == "static"
         self._nodes = dataset["rotor_point"].values
         self._links = _optional(dataset, "rotor_link", (0, 2))
         self._masses = _optional(dataset, "mass_node", (0,))
@@ -163,7 +162,7 @@ def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holde
     length = radius * SPRING
     uniform = (SMALL * length + clearance) * directions(around)
     holders = [Holder("springs", around, uniform, scale=SMALL)]
-    if "support_kind" not in dataset:
+    if "support" not in dataset.dims:
         return holders
     strut = dataset["support_kind"].values.astype(str) == "strut"
     angle, reach = dataset["support_angle"].values, dataset["support_reach"].values

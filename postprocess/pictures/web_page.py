@@ -19,6 +19,7 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
@@ -69,7 +70,7 @@ def film_page(
             [name, width * FULL / look.MARGIN, shade]
             for name, width, shade, _ in look.strokes_of(drawing.picture(0).symbols)
         ],
-        **(_orbit(dataset, drawing) if "centre_shape" in dataset else {}),
+        **(_orbit(dataset, drawing) if has(dataset, "centre") else {}),
         "layout": layout,
         "casingShades": drawing.picture(0).rotor.values.size,
         "surfaceShades": shades.shape[1] - layout["surface"][1] - layout["tips"][1],

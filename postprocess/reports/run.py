@@ -11,6 +11,7 @@ from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.pictures.choices import Field
@@ -191,7 +192,7 @@ def _loads(dataset: xr.Dataset, stresses: xr.Dataset | None) -> list[tuple[str, 
         if split["margin"] is not None:
             remark += f", margin {split['margin']:.3g}"
         rows.append(("alternating stress", handy(split["alternating"], "Pa", 3), remark))
-    if "coating_strain" in dataset:
+    if has(dataset, "coating"):
         depth = coating_of(dataset).thickness * float(dataset["coating_strain"][-1].max())
         volume = f"{1e9 * float(dataset['wear_volume'][-1]):.3g} mm³ removed"
         rows.append(("deepest wear", handy(depth, "m", 3), volume))
@@ -203,7 +204,7 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
     ratio, _, rpm = speed_label(dataset).partition(" (")
     end = f"{float(dataset['time'].values[-1]):.6g} s"
     ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
-    if "shaft_displacement" in dataset:
+    if has(dataset, "line"):
         force = float(line_bearing_forces(dataset)["force"].max())
         ran += [
             ("largest displacement of the shaft", handy(Motion(dataset).radius.max(), "m", 4), ""),
@@ -228,7 +229,7 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
         for way, far in zip(DIRECTIONS, largest_contact_motion(dataset).max(0), strict=True)
         if far
     ]
-    if "centre_shape" not in dataset:
+    if not has(dataset, "centre"):
         return [*ran, blades]
     orbit = shaft_orbit(dataset)
     late_orbit = _late(orbit)

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.reports import page
 from bladewhirl.postprocess.reports.parts import (
@@ -97,7 +98,7 @@ def sweep_report(
                 _certainty(dataset) if done and DRAW in dataset.dims else "",
                 _screening(dataset) if done and SCREENED in dataset else "",
                 f"The motion was carried from speed to speed, with {way} speed." if way else "",
-                _starts(dataset) if done and "start" in dataset else "",
+                _starts(dataset) if done and has(dataset, "start") else "",
             ]
         ),
         warnings=_warnings(needed, done, failed),

@@ -13,7 +13,7 @@ from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
     ViewError,
-    contact_vectors,
+    history,
     nearest_records,
 )
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -94,7 +94,7 @@ def close_up(result: xr.Dataset) -> xr.Dataset:
         int(np.ceil(turned[0] - turned[record])), int(turned[-1] - turned[record]) + 1
     )
     at = np.interp(turned[record] + passes, turned, result["time"].values)
-    moved = contact_vectors(result, nearest_records(result, at))[:, node]
+    moved = history(result, "contact_displacement", nearest_records(result, at))[:, node]
     return labelled(
         result,
         "close-up of one pass of a tip",

@@ -76,7 +76,6 @@ def tip_orbits(result: xr.Dataset, *, turns: float = 5.0, copy: int = 0) -> xr.D
         Dataset over (time, node): `radial`, `tangential` and `axial` [m], in rotating axes; `blade`
         (node,) is the number of its blade.
     """
-    need(result, "contact_displacement")
     time, turned = result["time"].values, rotation.turns(result)
     last = turned >= turned[-1] - turns
     nodes = result.sizes["contact_node"] // result.sizes["copy"]

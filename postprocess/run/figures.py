@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
@@ -78,7 +79,7 @@ class RunFigures(Figures):
 
     @property
     def _orbit_of_shaft(self) -> xr.Dataset | None:
-        return self.orbit if "centre_shape" in self.result else None
+        return self.orbit if has(self.result, "centre") else None
 
     @property
     def critical_orbits(self) -> xr.Dataset:

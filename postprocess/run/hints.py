@@ -11,6 +11,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.strains import rotor_sections
 from bladewhirl.postprocess.run.summary import Summary
 
@@ -45,7 +46,7 @@ def _of_stress(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
     peak = (summary.stress_max or {}).get("bladed_disk")
     if peak is None or summary.yield_strength is not None:
         return ()
-    if "rotor_line" in result:
+    if has(result, "lines"):
         moduli = rotor_sections(result, "young_modulus", 1)
     elif "point_young_modulus" in result:
         moduli = result["point_young_modulus"].values
@@ -64,7 +65,7 @@ def _of_stress(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
 
 def _drawn_back(result: xr.Dataset) -> str:
     """Return the end of the hint: the distance by which tips drew back."""
-    if "rotor_line" not in result:
+    if not has(result, "lines"):
         return ""
     try:
         drawn = handy(largest_drawback(result), "m", 4)

@@ -5,6 +5,7 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import late_part
 
 
@@ -23,7 +24,7 @@ class JointFigures(TypedDict):
 
 def joint_figures(dataset: xr.Dataset) -> dict[str, JointFigures]:
     """Return the key figures of the joints of a result by name."""
-    if "joint_force" not in dataset:
+    if not has(dataset, "joints"):
         return {}
     late, last, found = late_part(dataset), dataset.isel(time=-1), {}
     names = dataset["joint_name"].values

@@ -14,6 +14,7 @@ from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import largest_displacement
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import LOSS
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
@@ -112,7 +113,7 @@ class Motion:
     @cached_property
     def radius(self) -> Array:
         """Displacement of the shaft at every record [m], the largest along a shaft line."""
-        if "shaft_displacement" in self.result:
+        if has(self.result, "line"):
             x, y = np.moveaxis(self.result["shaft_displacement"].values[..., :2], 2, 0)
             return np.asarray(np.hypot(x, y).max(axis=1))
         return np.asarray(np.hypot(*centre_displacement(self.result).T))
@@ -120,12 +121,12 @@ class Motion:
     @property
     def has_shaft(self) -> bool:
         """True if the stage has a centre."""
-        return "centre_shape" in self.result
+        return has(self.result, "centre")
 
     @property
     def moves_shaft(self) -> bool:
         """True if the stage has a centre or a shaft line."""
-        return self.has_shaft or "shaft_displacement" in self.result
+        return self.has_shaft or has(self.result, "line")
 
     def record_at(self, time: float) -> int:
         """Return the number of records up to a time [s], at least one."""
@@ -234,7 +235,6 @@ def energy_residual(dataset: xr.Dataset) -> float:
     works = {
         name: dataset.variables[f"{name}_work"].values
         for name in ("external", "normal", "friction", "coupling", "damping")
-        if f"{name}_work" in dataset  # not every march has the work of a coupling
     }
     if "joint_work" in dataset:
         works["joints"] = -dataset.variables["joint_work"].values.sum(axis=1)

@@ -13,6 +13,7 @@ from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import contact_motion
 from bladewhirl.postprocess.fields.kinematics import smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.extremes import mean_forces
@@ -56,9 +57,9 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
     change = np.gradient(np.abs(speed)) if len(speed) > 1 else np.zeros(len(speed))
     change = np.sign(np.where(np.abs(change) > ROUNDING * np.abs(speed).max(), change, 0.0))
     touches = (result.variables["contact_steps"].values > 0).any(axis=1)
-    forward = result["critical_speed"].values if "critical_speed" in result else np.zeros(0)
-    if "critical_whirl" in result:
-        forward = forward[result["critical_whirl"].values != "backward"]
+    forward = np.zeros(0)
+    if has(result, "critical"):
+        forward = result["critical_speed"].values[result["critical_whirl"].values != "backward"]
     return labelled(
         result,
         "displacement and contact force over the speed",

@@ -228,13 +228,11 @@ def _modes(result: xr.Dataset, kind: str) -> list[tuple[str, float, float]]:
         names = [WITH_K.get(str(name), str(name)) for name in lines["mode"].values]
         near = [(name, abs(at), abs(at)) for name, at in zip(names, lines.values, strict=True)]
         near = [line for line in dict.fromkeys(near) if line[0] != ORDER]
-    elif ("casing_frequency" if kind == "wall" else "rotor_family") not in result:
-        near = []
     else:
         strain = kind == "strain"
         group = result["rotor_family" if strain else "casing_nodal_diameter"].values
         frequency = result["rotor_frequency" if strain else "casing_frequency"].values
-        members = {one: frequency[group == one] for one in np.unique(group)}
+        members = {one: frequency[group == one] for one in np.unique(group) if one != ""}
         near = [
             (str(one) if strain else f"k = {one}", each.min(), each.max() if strain else each.min())
             for one, each in members.items()

@@ -35,6 +35,7 @@ from bladewhirl.postprocess.fields.blades import blade_chain
 from bladewhirl.postprocess.fields.by_blade import blade_angles, blade_count, blade_radii
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, casing_rows
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.point_stresses import gauge_row, on_sectors
 from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
@@ -50,10 +51,10 @@ derivative."""
 ON_SAMPLE = 1e-6  #: a sample up to this fraction of a sampling step outside the records is included
 
 NEEDED = {
-    "wall": ("casing_shape", "another type for a rigid wall, which does not move"),
-    "centre": ("centre_shape", "another type for blades without a common centre that moves"),
+    "wall": ("casing", "another type for a rigid wall, which does not move"),
+    "centre": ("centre", "another type for blades without a common centre that moves"),
 }
-"""Variable that a sensor of this type needs, and what is expected without it."""
+"""Part of the stage that a sensor of this type needs, and what is expected without it."""
 
 MOST_PER_RECORD = 100  #: largest number of samples between two records
 
@@ -130,7 +131,7 @@ def check_sensors(
     faults = []
     for number, sensor in enumerate(sensors):
         needed, expected = NEEDED.get(sensor.type, ("", ""))
-        if needed and needed not in stage:
+        if needed and not has(stage, needed):
             faults.append(Fault(key=f"sensor[{number}].type", value=sensor.type, expected=expected))
         if isinstance(sensor, TipTiming) and (expected := too_slow(speed, record_step)):
             faults.append(Fault(key=f"sensor[{number}].type", value=sensor.type, expected=expected))
@@ -202,7 +203,7 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
         return _recovered_rows(dataset, gauge.gauge, [*blades])
     if gauge.point is not None:
         return _point_rows(dataset, gauge)
-    if "rotor_line" not in dataset:
+    if not has(dataset, "lines"):
         expected = "gauge in place of span and element, as the blades are no beams"
         raise ViewError(Fault(expected=expected))
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
@@ -226,7 +227,7 @@ def gauge_rows(dataset: xr.Dataset, gauge: StrainGauge) -> GaugeRows:
 
 def _recovered_rows(dataset: xr.Dataset, number: int, chosen: list[int]) -> GaugeRows:
     """Return the strain of a gauge on some blades from the recovery of strain of a superelement."""
-    if "gauge_shape" not in dataset:
+    if not has(dataset, "gauges"):
         raise ViewError(Fault(expected="span or element, as no file gives strain_recovery"))
     shape, copies = dataset["gauge_shape"].values, dataset.sizes["copy"]
     blades = blade_count(dataset) // copies

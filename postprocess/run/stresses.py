@@ -27,7 +27,8 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.point_stresses import PointStresses, size_of
+from bladewhirl.postprocess.fields.netcdf import has
+from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses, size_of
 from bladewhirl.postprocess.fields.points import Points, contact_nodes, points_of
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.strains import (
@@ -223,9 +224,15 @@ def stress_history(
     )
 
 
-def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
-    """Compute only the variables over members of `stress_history`, by their names in `PEAKS`."""
-    names, bodies = _bodies(dataset)
+def known_peaks(dataset: xr.Dataset, *, casing: bool = True) -> xr.Dataset | None:
+    """Return `peak_stresses`; None for a stage whose stresses are not known."""
+    return peak_stresses(dataset, casing=casing) if has_stresses(dataset) else None
+
+
+def peak_stresses(dataset: xr.Dataset, *, casing: bool = True) -> xr.Dataset:
+    """Compute only the variables over members of `stress_history`, by their names in `PEAKS`, with
+    or without those of a flexible casing."""
+    names, bodies = _bodies(dataset, casing=casing)
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body in bodies:
         deque(_noted(peak, body, dataset), maxlen=0)
@@ -248,15 +255,16 @@ def about(dataset: xr.Dataset) -> dict[str, Any]:
     Mises stress at the surface of solids, whether it has the stress of steady rotation, and the
     limits of the material that the case gives."""
     measures = "von Mises stress away from contact nodes", "beam theory"
+    points = points_of(dataset, 1)
     return {
-        "measure": measures[points_of(dataset, 1).flat],
-        "steady": int("steady_stress" in dataset),
+        "measure": measures[points.flat],
+        "steady": int(points.recovered["stress"].steady),
         **{name: dataset.attrs[name] for name in LIMITS if name in dataset.attrs},
     }
 
 
-def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
-    """Return the names of the members of both bodies, and the bodies."""
+def _bodies(dataset: xr.Dataset, *, casing: bool = True) -> tuple[list[str], list[_Body]]:
+    """Return the names of the members of the bladed disk and of a casing, and the bodies."""
     points = points_of(dataset, 1)
     if "stress" not in points.recovered:
         raise ViewError("expected beams, or a superelement whose file has stress_recovery")
@@ -264,19 +272,19 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     used = np.unique(points.member[points.member >= 0])
     names = [points.members[number] for number in used]
     bodies = [rotor._replace(columns=np.searchsorted(used, rotor.columns))]
-    if "casing_displacement" not in dataset:  # a rigid wall
+    if not (casing and has(dataset, "casing")):
         return names, bodies
     modulus = dataset["casing_young_modulus"].values[:, None]
     shape = dataset.sizes["casing_node"], CASING_PIECES + 1
     rows = Strains(*(_flat(row) for row in casing_strain_rows(dataset, CASING_PIECES)))
     modulus = np.broadcast_to(modulus, shape).reshape(-1, 1)
-    casing = _Body(
+    wall = _Body(
         np.full(len(modulus), float(dataset.attrs["casing_radius"])),
         np.zeros(1, dtype=np.int64),
         np.array([len(names)]),
         *_strains(dataset, "casing_displacement", rows, modulus),
     )
-    return [*names, "casing"], [*bodies, casing]
+    return [*names, "casing"], [*bodies, wall]
 
 
 def _beams(dataset: xr.Dataset, points: Points) -> _Body:

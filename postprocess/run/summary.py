@@ -19,13 +19,13 @@ from bladewhirl.postprocess.energy.works import (
     works,
 )
 from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS
-from bladewhirl.postprocess.fields.point_stresses import has_stresses
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run import extremes
 from bladewhirl.postprocess.run.joint_contact import JointFigures, joint_figures
 from bladewhirl.postprocess.run.measures import MARCH_REPORT, MEASURES, Motion
-from bladewhirl.postprocess.run.stresses import peak_stresses
+from bladewhirl.postprocess.run.stresses import known_peaks
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.bearing_forces import bearing_forces
 from bladewhirl.postprocess.shaft.crossings import crossings
@@ -184,8 +184,8 @@ def summarise(
     energies = strain.strain_energies(dataset) if energies is None else energies
     run = Motion(dataset, march_report, orbit=orbit)
     power, speed = late_rate(dataset, drive_work(dataset)), float(dataset.attrs["speed"])
-    peaks = _peaks(dataset) if stresses is None else stresses
-    grouped, impulse = "suspension" in energies, dataset["contact_impulse"].values
+    peaks = known_peaks(dataset) if stresses is None else stresses
+    grouped, impulse = energies.sizes["nodal_diameter"] > 0, dataset["contact_impulse"].values
     largest_motion = largest_contact_motion(dataset).max(0, initial=0.0).tolist()
     wear = wear_summary(dataset)
     contact_steps = dataset["contact_steps"].sum("time").values
@@ -230,7 +230,7 @@ def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
     )
     figures: dict[str, Any] = {**dict.fromkeys(numbers), "whirl_lines": [], "ripple_lines": []}
     figures["critical_crossings"] = []
-    if "bearing_force" in run.result:
+    if has(run.result, "line"):
         figures |= _largest_bearing_force(line_bearing_forces(run.result))
     if not run.has_shaft:
         return figures
@@ -267,18 +267,12 @@ def _largest_bearing_force(forces: xr.Dataset) -> dict[str, float]:
 def _casing_figures(dataset: xr.Dataset) -> dict[str, Any]:
     """Return energy and displacement of the casing, None for a rigid wall."""
     names = ("strain_energy_casing_final", "casing_displacement_max")
-    if "casing_displacement" not in dataset:
+    if not has(dataset, "casing"):
         return dict.fromkeys(names)
     moved = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
     return dict(
         zip(names, (float(0.5 * np.sum(moved**2)), extremes.casing_peaks(dataset)), strict=True)
     )
-
-
-def _peaks(dataset: xr.Dataset) -> xr.Dataset | None:
-    """Return the largest stresses; None for a superelement whose file gives none."""
-    known = "rotor_line" in dataset or has_stresses(dataset)
-    return peak_stresses(dataset) if known else None
 
 
 def _lines(orbit: xr.Dataset) -> list[LineOfWhirl]:

@@ -22,7 +22,6 @@ MOSTLY = 0.5  #: share of the mean square of a line that describes the motion
 def summary_rows(summary: Summary) -> dict[str, str]:
     """Return the rows of the summary, with rounded values in convenient units."""
     work = summary.work
-    springs = "" if work["springs"] is None else f" springs {_text(work['springs'], 'J')},"
     joints = "" if work["joints"] is None else f" joints {_text(work['joints'], 'J')},"
     return {
         "regime": regime_title(summary.regime, judged=summary.growth_rate is not None),
@@ -37,7 +36,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         **_energies(summary.strain_energy_final),
         **_known("casing's strain energy, final", summary.strain_energy_casing_final, "J"),
         "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
-        f" friction {_text(work['friction'], 'J')},{springs}{joints} damping"
+        f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')},{joints} damping"
         f" {_text(work['damping'], 'J')}",
         **_drive(summary),
         **_contact_force(summary),

@@ -9,6 +9,7 @@ from bladewhirl.postprocess.energy.works import friction_supply, friction_torque
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import span_edges, span_starts
 from bladewhirl.postprocess.plotting.legends import entries_of
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
@@ -62,7 +63,7 @@ def torques(result: xr.Dataset) -> xr.Dataset:
     friction = -rate(friction_torque_impulse(result))
     rubbed = -rate(friction_supply(result))
     found = {"friction": (friction, rubbed)}
-    if "angular_momentum" in result:
+    if has(result, "drive"):
         turned = rotation.angles(result)
         torque, loss = (float(result[f"drive_{name}"]) for name in ("torque", "loss"))
         names = ("drive_work", "loss_work", "braking_work", "angular_momentum")
@@ -71,7 +72,7 @@ def torques(result: xr.Dataset) -> xr.Dataset:
         found["drive"] = np.full(len(length), torque), driven
         found["loss"] = drag, -lost
         found["other"] = gained - torque - drag - friction, braked - rubbed
-    elif "rotor_inertia" in result:
+    elif has(result, "inertia"):
         inertia = float(result["rotor_inertia"])
         found["drive"] = (
             inertia * rate(speeds) - friction,

@@ -15,6 +15,7 @@ from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.lost_blades import masked
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import select_window, span_edges, span_starts
 from bladewhirl.postprocess.plotting.axes import cell_edges, draw_map
 from bladewhirl.postprocess.plotting.style import (
@@ -90,7 +91,7 @@ def unrolled(result: xr.Dataset) -> xr.Dataset:
     ends = span_edges(time[1:], starts, float(time[0]))[1:]
     coordinates: dict[str, Any] = {"axial": axial, "blade": np.arange(blade_count(dataset))}
     coordinates["sector_edge"] = np.linspace(0.0, 2 * np.pi, sectors + 1)
-    if "coating_strain" in dataset:
+    if has(dataset, "coating"):
         profile = np.searchsorted(dataset["wear_time"].values, ends, side="right") - 1
         depth = coating_of(dataset).thickness * dataset["coating_strain"].values[profile]
         values["wear"] = ("span", "axial", "rod"), depth, "m"

@@ -15,6 +15,7 @@ from bladewhirl.models.case.coating import Coating
 from bladewhirl.models.stage.coating import axial_tracks, spacing
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -33,7 +34,7 @@ def coating_of(dataset: xr.Dataset) -> Coating:
         ViewError: the casing has no coating.
     """
     casing = table_of_result(dataset, "casing", Casing)
-    coating = casing.coating if "coating_strain" in dataset else None
+    coating = casing.coating if has(dataset, "coating") else None
     if coating is None:
         raise ViewError("this run has no casing.coating, so nothing can be worn")
     return coating
@@ -151,7 +152,7 @@ def _metal_time(result: xr.Dataset) -> float:
 
 def wear_summary(result: xr.Dataset) -> dict[str, Any]:
     """Return the key figures of the wear for `summary.json`; an empty dict without a coating."""
-    if "coating_strain" not in result:
+    if not has(result, "coating"):
         return {}
     strain = result["coating_strain"].values[-1]
     mean = _mean_of_tracks(result, strain)

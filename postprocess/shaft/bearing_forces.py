@@ -10,6 +10,7 @@ from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
@@ -34,13 +35,10 @@ def bearing_forces(result: xr.Dataset, orbit: xr.Dataset | None = None) -> xr.Da
         ViewError: the shaft's centre is clamped, or does not move in the model.
     """
     shaft = table_of_result(result, "shaft", Shaft)
-    if shaft.clamped or "centre_shape" not in result:
+    if shaft.clamped or not has(result, "centre"):
         raise ViewError("bearing forces: expected a shaft on springs; its centre does not move")
     orbit = shaft_orbit(result) if orbit is None else orbit
-    springs = np.array(shaft.springs)
-    if "shaft_stiffness" in result:  # also where a suspension frequency is demanded
-        springs = result["shaft_stiffness"].values
-    stiffness = np.tile(springs, (orbit.sizes["time"], 1))
+    stiffness = np.tile(result["shaft_stiffness"].values, (orbit.sizes["time"], 1))
     fused = orbit["time"].values > float(result.attrs.get("fuse_time", np.inf))
     stiffness[fused] = shaft.fused_stiffness
     angle = rotation.angles(result)

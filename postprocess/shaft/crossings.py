@@ -10,6 +10,7 @@ from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import head
 
@@ -40,7 +41,7 @@ def crossings(result: xr.Dataset, orbit: xr.Dataset) -> list[Crossing]:
         result: result of a run.
         orbit: from `orbits.shaft_orbit` of the same records.
     """
-    if "critical_speed" not in result.variables or orbit.sizes["time"] < 2:
+    if not has(result, "critical") or orbit.sizes["time"] < 2:
         return []
     time, speed = orbit.variables["time"].values, np.abs(rotation.speeds(orbit))
     turns, radius = rotation.turns(orbit), orbit.variables["radius"].values
@@ -81,7 +82,7 @@ def critical_orbits(result: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
     Raises:
         ViewError: no critical speed is known or passed.
     """
-    if "critical_speed" not in result.variables:
+    if not has(result, "critical"):
         raise ViewError(
             'critical speeds: expected a speed that varies, rotation.effects = "full", a shaft on'
             " springs and equal sectors"

@@ -19,6 +19,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
 from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -74,16 +75,15 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     speed = abs(float(dataset.attrs["speed"]))
     rotor_shift, casing_shift = (0.0, -speed) if frame == "rotating" else (speed, 0.0)
     names, values = [ORDER], [rotor_shift + casing_shift]
-    if "rotor_family" in dataset:
-        waves = [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
-        family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
-        for name in (FIRST_FAMILY, SUSPENSION):
-            modes = (family == name) & (diameter == 1)
-            if modes.any():
-                backward, forward = (frequency[modes].min() for frequency in waves)
-                names += [name] * 2
-                values += [rotor_shift - backward, rotor_shift + forward]
-    if "casing_frequency" in dataset:
+    waves = [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
+    family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
+    for name in (FIRST_FAMILY, SUSPENSION):
+        modes = (family == name) & (diameter == 1)
+        if modes.any():
+            backward, forward = (frequency[modes].min() for frequency in waves)
+            names += [name] * 2
+            values += [rotor_shift - backward, rotor_shift + forward]
+    if has(dataset, "casing"):
         wall = dataset["casing_frequency"].values[dataset["casing_nodal_diameter"].values == 1]
         names += ["casing"] * 2
         values += [casing_shift - wall.min(), casing_shift + wall.min()]

@@ -27,6 +27,7 @@ from bladewhirl.solvers.march.schema import (
     SWEEP_FORMAT,
     Variable,
     index_values,
+    parts_of,
 )
 
 SWEEP_NAME = "sweep.nc"  #: name of the dataset's file in the folder of a sweep
@@ -222,11 +223,11 @@ def _fault(dataset: xr.Dataset) -> str:
         return (
             f"of format {SWEEP_FORMAT} or older, found format {made_by}; a newer version reads it"
         )
-    if made_by < 8 and "natural_frequency" in dataset:
+    if made_by < 8 and netcdf.has(dataset, "nodes"):
         return (
             f"of a superelement of format 8 or newer, found format {made_by}; run the sweep again"
         )
-    parts = {"", *(variable.part for name, variable in SWEEP.items() if name in dataset)}
+    parts = parts_of(map(str, dataset.variables))
     for name, variable in {**SWEEP, **SCREENING}.items():
         if name not in dataset:
             if variable.since <= made_by and variable.part in parts and name in SWEEP:

@@ -9,14 +9,14 @@ from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.fields.point_stresses import has_stresses
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_share
 from bladewhirl.postprocess.run.contact_side import contact_scenario
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force
 from bladewhirl.postprocess.run.joint_contact import joint_figures
 from bladewhirl.postprocess.run.measures import MEASURES, Motion
-from bladewhirl.postprocess.run.stresses import peak_stresses
+from bladewhirl.postprocess.run.stresses import known_peaks
 from bladewhirl.postprocess.run.wear import wear_summary
 from bladewhirl.postprocess.shaft.orbits import centre_displacement, shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import section_places
@@ -78,9 +78,10 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
 
 def _blade_stress(dataset: xr.Dataset) -> float:
     """Return the largest magnitude of the stress of a blade [Pa]; NaN without stresses."""
-    if "rotor_line" not in dataset and not has_stresses(dataset):
+    stresses = known_peaks(dataset, casing=False)
+    if stresses is None:
         return np.nan
-    peaks = peak_stresses(dataset)["peak_stress"]
+    peaks = stresses["peak_stress"]
     return float(np.abs(peaks[peaks["member"].str.startswith("blade ")]).max())
 
 
@@ -146,7 +147,7 @@ def _nodes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) ->
     copies = dataset.sizes["copy"]
     natural = dataset["rotor_frequency"].values.reshape(copies, -1)[0] / (2.0 * np.pi)
     casing = np.nan
-    if "casing_displacement" in dataset:
+    if has(dataset, "casing"):
         casing = abs(casing_peaks(dataset)["radial"]["displacement"])
     return {
         "displacement_max": np.abs(moved).max(),
@@ -208,8 +209,8 @@ def _groups(energies: Array, diameters: IntArray, layout: Layout) -> Array:
     """Return the energies [J], (time, groups), with a column for each group of modes in `layout`;
     columns of nodal diameters without a mode are NaN. `energies` and `diameters` are from
     `group_energies`."""
-    if energies.shape[1] == len(layout.groups):
-        return energies
+    if len(layout.groups) == 1:
+        return np.asarray(energies.sum(axis=1, keepdims=True))
     groups = np.full((len(energies), len(layout.groups)), np.nan)
     groups[:, [0, *(1 + diameters), -1]] = energies
     return groups
@@ -221,7 +222,7 @@ def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
     differ with Coriolis forces."""
     frequencies = []
     for body, family in MODE_LINES.values():
-        if f"{body}_nodal_diameter" not in dataset:  # a rigid wall
+        if body == "casing" and not has(dataset, "casing"):
             frequencies.append(np.nan)
             continue
         candidates = dataset.variables[f"{body}_nodal_diameter"].values == 1

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.axes import Labels
 from bladewhirl.postprocess.plotting.legends import Group
@@ -64,7 +65,7 @@ def interaction(dataset: xr.Dataset, key: str) -> xr.Dataset:
     if not others:
         raise ViewError("an interaction map needs two swept keys, but this sweep has only one")
     across, *lines = others
-    modes = "natural_frequency" if "natural_frequency" in dataset else "mode_frequency"
+    modes = "natural_frequency" if has(dataset, "nodes") else "mode_frequency"
     data = in_order(dataset, [*(set(QUANTITIES) & set(dataset)), modes, "rotation_speed"])
     shown = [name for name in QUANTITIES if name in data and np.isfinite(data[name]).any()]
     chosen = {"mode": list(MODES)} if modes == "mode_frequency" else {}

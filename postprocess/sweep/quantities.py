@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.sweep.dataset import swept, swept_keys
 from bladewhirl.solvers.march.schema import DRAW, POINT, SWEEP_FORMAT
 
@@ -50,7 +51,7 @@ def table_keys(data: xr.Dataset) -> list[xr.DataArray]:
 def largest_motion(dataset: xr.Dataset) -> tuple[str, str]:
     """Return the name of the variable with the largest displacement of each march, and the name of
     the moving part: the shaft or, without a moving shaft, a contact node."""
-    if "shaft_radius_max" in dataset:
+    if has(dataset, "centre"):
         return "shaft_radius_max", "shaft"
     return "displacement_max", "contact node"
 

@@ -55,10 +55,10 @@ class Variable(NamedTuple):
     is_coordinate: bool  #: true if the values label the items along a dimension
     part: str
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
-    motion of the "centre", contact "nodes" whose motion is recorded, "points" for pictures,
-    "gauges", "stress" at points, a flexible "casing", a "speed" that varies, "critical" speeds in
-    its range, a known "inertia" of the rotation, a "drive" of a free speed, sudden "changes" of the
-    rotor, a shaft "line", or friction "joints"; "" for every stage."""
+    motion of the "centre", its "springs", "growth" of the tips, contact "nodes" whose motion is
+    recorded, "points" for pictures, "gauges", "stress" at points, a flexible "casing", a "coating",
+    a "speed" that varies, "critical" speeds in its range, a known "inertia" of the rotation, the
+    "drive" of a free speed, sudden "changes", a shaft "line", friction "joints"; "" for all."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]
@@ -112,8 +112,9 @@ SCREENING: Mapping[str, Variable] = _read("screening")
 
 
 def parts_of(names: Iterable[str]) -> set[str]:
-    """Return the parts, see `Variable.part`, of a stage that has the named variables."""
-    return {STAGE[name].part for name in names if name in STAGE} | {""}
+    """Return the parts, see `Variable.part`, of a stage whose result or sweep has these names."""
+    known = {**SWEEP, **COATING, **STAGE}
+    return {known[name].part for name in names if name in known} | {""}
 
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:

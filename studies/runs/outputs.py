@@ -105,6 +105,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     defines the instants of the series.
     """
     from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
+    from bladewhirl.postprocess.fields.netcdf import has
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.postprocess.run.hints import run_hints
@@ -118,16 +119,16 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
         energies = strain_energies(result)
         drawn = {folder.ENERGY_NAME: (plot_energy(energies), energies)}
         orbit = None
-        if "centre_shape" in result:
+        if has(result, "centre"):
             orbit = shaft_orbit(result)
             drawn[folder.ORBIT_NAME] = plot_orbit(orbit), orbit
-        elif "shaft_displacement" in result:
+        elif has(result, "line"):
             orbits = line_orbits(result)
             drawn[folder.ORBIT_NAME] = plot_line_orbits(orbits), orbits
         drawn |= _contact_figures(result)
         summary = summarise(result, report, orbit=orbit, energies=energies)
         hints = [*run_hints(summary, result), *write_sensors(result, directory)]
-        if "coating_strain" in result:
+        if has(result, "coating"):
             write_profile(result, directory / folder.WEAR_NAME)
         write_atomically(directory / folder.SUMMARY_NAME, summary.to_json())
         for name, (figure, data) in drawn.items():
@@ -145,7 +146,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 
 def _contact_figures(result: xr.Dataset) -> dict[str, tuple[Figure, xr.Dataset]]:
     """Return `CONTACT_FIGURES` with their data, by file name, as far as the run has them."""
-    if "contact_displacement" not in result or result.sizes["time"] < 2:
+    if result.sizes["time"] < 2:
         return {}
     from bladewhirl.postprocess.run.figures import RunFigures
 
@@ -157,9 +158,11 @@ def _contact_figures(result: xr.Dataset) -> dict[str, tuple[Figure, xr.Dataset]]
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yield hints for the user, for instance about too coarse
     sampling."""
-    if window.frames == 0 or not {"point_shape", "rotor_line", "shaft_shape"} & {*result.variables}:
-        return
     from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
+    from bladewhirl.postprocess.fields.netcdf import has
+
+    if window.frames == 0 or not any(has(result, part) for part in ("points", "lines", "line")):
+        return
     from bladewhirl.postprocess.paraview.series import export_vtk
 
     try:

@@ -228,7 +228,7 @@ def _recorder(
             if earlier.sizes["time"] < begin.records:
                 raise UserError(f"{path}: expected the {begin.records} records of the checkpoint")
             recorder = stack.enter_context(Recorder(draft, prepared.arrays, attributes))
-            if "wear_time" in earlier:
+            if "rod" in earlier.dims:
                 reached = int(begin.state["step"]) * prepared.timing.time_step
                 kept = np.flatnonzero(earlier["wear_time"].values <= reached)
                 earlier = earlier.isel(wear_time=kept)
@@ -247,7 +247,7 @@ def _chunk(records: xr.Dataset, time_step: float, *, profiles: bool) -> Chunk:
     for name in ("casing_displacement", "casing_velocity"):
         values.setdefault(name, still)
     coating = None
-    if "coating_strain" in records:
+    if "rod" in records.dims:
         kept = records.isel(wear_time=slice(None if profiles else 0))
         parts = (field.name for field in fields(CoatingRecords))
         coating = CoatingRecords(**{name: kept[name].values for name in parts if name in kept})

@@ -130,11 +130,11 @@ def synthetic_result(
         np.zeros(4),
     )
     rotor_shape = rotor_shapes(points)
-    tip_radial = np.einsum(
-        "ba,bam->bm", np.column_stack([np.cos(tip_angle), np.sin(tip_angle)]), rotor_shape[tips, :2]
-    )
+    cos, sin = np.cos(tip_angle), np.sin(tip_angle)
+    polar = np.array([[cos, sin], [-sin, cos], [0.0 * cos, 0.0 * cos]])  # direction, axis, blade
+    tip_shape = np.einsum("dab,bam->bdm", polar, rotor_shape[tips, :2])
     turned = tip_angle[None, :] + speed * time[:, None]
-    gap = CLEARANCE + casing_w(turned, c) - q @ tip_radial.T
+    gap = CLEARANCE + casing_w(turned, c) - q @ tip_shape[:, 0].T
     impulse = 1e6 * np.clip(-gap, 0.0, None) * RECORD_STEP
     energy = 0.5 * (
         np.sum(q_dot**2 + (ROTOR_FREQUENCY * q) ** 2, axis=1)
@@ -154,6 +154,7 @@ def synthetic_result(
             "gap": (per_node, np.clip(gap, 0.0, None)),
             "contact_impulse": (per_node, impulse),
             "friction_impulse": (per_node, friction * impulse),
+            "axial_impulse": (per_node, np.zeros_like(impulse)),
             "contact_steps": (per_node, np.where(impulse > 0, 1000, 0)),
             "contacts": ("time", np.sum(impulse > 0, axis=1)),
             "energy": ("time", energy),
@@ -194,6 +195,12 @@ def synthetic_result(
             "contact_radius": ("contact_node", np.full(blades, TIP_RADIUS)),
             "axial_position": ("contact_node", np.zeros(blades)),
             **{name: ("contact_node", np.zeros(blades)) for name in ("tip_recess", "tip_growth")},
+            "contact_shape": (("contact_node", "direction", "mode"), tip_shape),
+            "contact_displacement": (
+                ("time", "contact_node", "direction"),
+                np.einsum("rm,bdm->rbd", q, tip_shape),
+            ),
+            "copy_angle": ("copy", np.zeros(1)),
             "centre_node": ((), 0),
             "centre_shape": (("axis", "rotor_mode"), rotor_shape[0, :2]),
             "shaft_frame": ((), "rotating"),
@@ -222,6 +229,7 @@ def synthetic_result(
             "tip_radius": TIP_RADIUS,
             "friction": friction,
             "format": RESULT_FORMAT,
+            "derived": "axial_impulse contact_shape contact_displacement copy_angle",
             "time_step": 1e-6,
             "record_step": RECORD_STEP,
             "clamped": 0,
@@ -242,4 +250,11 @@ def resting(records: int = 2, speed: float = SPEED, **motion: ArrayLike) -> xr.D
             values = np.broadcast_to(motion.pop(name, 0.0), result[name].shape)
             result[name] = result[name].dims, np.array(values, dtype=np.float64)
     assert not motion
-    return result
+    return with_moved_tips(result)
+
+
+def with_moved_tips(result: xr.Dataset) -> xr.Dataset:
+    """A result whose contact nodes move as its modal coordinates say."""
+    shape = result["contact_shape"].values
+    moved = np.einsum("rm,bdm->rbd", result["rotor_displacement"].values, shape)
+    return result.assign(contact_displacement=(result["contact_displacement"].dims, moved))

@@ -17,6 +17,7 @@ from bladewhirl.postprocess.energy.strain import (
     strain_energies,
 )
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.result import completed
 
 GROUPS = {0: "suspension", 1: "suspension", 2: "rest", 3: "1F", 4: "1F"}
 
@@ -47,9 +48,9 @@ class TestStrainEnergies:
 
     def test_modes_without_families_are_springs_too(self) -> None:
         result = single(2)
-        energy, diameters = group_energies(result.drop_vars("rotor_family"))
+        energy, diameters = group_energies(completed(result.drop_vars("rotor_family")))
         assert not diameters.size
-        np.testing.assert_allclose(energy[:, 0], strain_energies(result).total, rtol=1e-13)
+        np.testing.assert_allclose(energy[:, -1], strain_energies(result).total, rtol=1e-13)
 
     def test_the_first_family_is_reported_by_nodal_diameter(self) -> None:
         result = single(3)

@@ -197,7 +197,7 @@ class TestFrames:
         np.testing.assert_allclose(rotor.point_data["gap"], expected, rtol=1e-6)
         force = contact_forces(result, np.array([record]))[0]
         assert force.any()
-        np.testing.assert_allclose(tips.point_data["contact_force"][:, :2], force, rtol=1e-6)
+        np.testing.assert_allclose(tips.point_data["contact_force"], force, rtol=1e-6)
 
     def test_velocity_is_the_rate_of_displacement_in_the_axes_of_the_series(
         self, result: xr.Dataset, tmp_path: Path

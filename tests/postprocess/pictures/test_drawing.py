@@ -151,7 +151,7 @@ def test_a_short_blade_touches_where_it_does_in_the_run(growth: float) -> None:
     np.testing.assert_allclose(gaps, expected)
     np.testing.assert_allclose(draw(result).nodes[result["tip_node"].values], rest.tips)
     result["rotor_displacement"][:, :2] = (synthetic.CLEARANCE - growth + recess) * unit
-    touching = draw(result).picture(0)
+    touching = draw(synthetic.with_moved_tips(result)).picture(0)
     assert np.linalg.norm(touching.tips[blade]) == pytest.approx(inner)
     lines = result["rotor_line"].values
     end = touching.rotor.sides.mean(axis=2)[np.flatnonzero(lines[:, 1] == tip)[0], -1]

@@ -10,7 +10,7 @@ import xarray as xr
 from bladewhirl.models.case.file import loads
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import contact_vectors
+from bladewhirl.postprocess.fields.result import completed
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.tip_timing import tip_timing
@@ -127,11 +127,12 @@ def test_without_a_shaft_the_figures_show_contact_nodes(result: xr.Dataset) -> N
     motion[:, 3] = 1e-3 * np.sin(2.5 * fastest * time)
     force = np.zeros_like(result["contact_impulse"].values)
     force[400:500, 2] = 0.05 * result.attrs["record_step"]
-    known = result.drop_vars("centre_shape").assign(
+    known = result.drop_vars(["centre_shape", "contact_displacement"]).assign(
         rotor_displacement=result["rotor_displacement"].copy(data=motion),
         contact_impulse=result["contact_impulse"].copy(data=force),
     )
-    shape = contact_vectors(known, np.arange(len(time)))
+    known = completed(known)
+    shape = known["contact_displacement"].values
     figure, data = RunFigures(known).draw("run-up")
     assert data.attrs["moves"] == "tips"
     largest = np.linalg.norm(shape[..., :2], axis=-1).max(axis=1)

@@ -12,6 +12,7 @@ import xarray as xr
 from exported_stage import Kind, same_stage
 
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.pictures.appearance import shaft_trail
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.figures import RunFigures
@@ -62,6 +63,24 @@ def assert_alike(one: Any, other: Any, name: str) -> None:
             assert_alike(first, second, name)
     else:
         assert np.array_equal(one, other), name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_contact_nodes_have_the_same_variables(kind: Kind, tmp_path: Path) -> None:
+    """Also in a result that is saved and opened again, which keeps what was stored."""
+    (beams, _, _), (solid, _, _) = marched(kind)
+    beams.to_netcdf(tmp_path / "beams.nc", engine="h5netcdf")
+    solid.to_netcdf(tmp_path / "solid.nc", engine="h5netcdf")
+    with open_result(tmp_path / "beams.nc") as one, open_result(tmp_path / "solid.nc") as other:
+        for result in (beams, one):
+            assert_alike(
+                result["contact_displacement"].values, other["contact_displacement"].values, kind
+            )
+        moved = one["contact_displacement"]
+        chosen = moved.isel(time=[2, 5, 3], contact_node=slice(None, None, 2), direction=1)
+        np.testing.assert_array_equal(chosen, moved.values[[2, 5, 3], ::2, 1])
+        assert {*beams.variables} == {*one.variables}
+        assert {*solid.variables} == {*other.variables}
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -9,6 +9,7 @@ import xarray as xr
 
 import bladewhirl as bw
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.result import completed
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.shaft.bearing_forces import bearing_forces
 from bladewhirl.studies.runs.prepare import prepare
@@ -22,7 +23,7 @@ def circling(**shaft: Any) -> xr.Dataset:
     """A result whose case has this table [shaft]."""
     keys = "\n".join(f"{key} = {value}" for key, value in shaft.items())
     result = synthetic.synthetic_result().drop_vars("shaft_stiffness")
-    return result.assign_attrs(case=f"[shaft]\n{keys}\n")
+    return completed(result.assign_attrs(case=f"[shaft]\n{keys}\n"))
 
 
 @pytest.mark.parametrize("frame", ["rotating", "static"])

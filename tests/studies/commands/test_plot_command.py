@@ -19,7 +19,7 @@ def directory(tmp_path: Path) -> Path:
     return made(tmp_path / "run", synthetic.SPEED)
 
 
-OF_OTHERS = {"coating_strain", "contact_displacement", "rotation_speed", "critical_speed"}
+OF_OTHERS = {"coating_strain", "contact_force", "rotation_speed", "critical_speed"}
 OF_OTHERS |= {"bearing_force", "shaft_displacement"}
 """Variables of results with a coating, of superelements, with a speed that varies, of lines."""
 
