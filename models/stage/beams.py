@@ -37,7 +37,7 @@ from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.speed_change import inertia_of, modes_at_speed, static_state
-from bladewhirl.models.stage.stage import LOWEST, BladeStiffness, Stage, Turning
+from bladewhirl.models.stage.stage import LOWEST, Basis, BladeStiffness, Stage, Turning
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
@@ -235,6 +235,10 @@ class Beams(Stage):
             "fewer casing.elements, bladed_disk.elements_per_blade or"
             " reduction.fixed_interface_modes"
         )
+
+    @property
+    def basis(self) -> Basis:
+        return Basis("reduction.fixed_interface_modes", self.reduction.kept)
 
     def own_hints(self) -> Iterator[str]:
         return _free_ends(self.disk.model)

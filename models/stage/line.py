@@ -23,7 +23,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.kept_modes import KeptModes
 from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
-from bladewhirl.models.stage.stage import BladeStiffness, Stage, Turning
+from bladewhirl.models.stage.stage import Basis, BladeStiffness, Stage, Turning
 from bladewhirl.models.stage.varying_speed import FreeSpeed, SpeedChange
 from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.models.structure.rotating import Rotating
@@ -266,6 +266,11 @@ class LineStage(Stage):
 
     def blade_stiffness(self, omega: float) -> tuple[Stage, BladeStiffness]:
         raise UserError(WITHOUT_BLADES)
+
+    @property
+    def basis(self) -> Basis:
+        modes, of_plane = self.line.table.modes, 2 * len(self.line.position)
+        return Basis("shaft_line.modes", min(modes, of_plane))
 
     @property
     def fewer_modes(self) -> str:

@@ -28,7 +28,7 @@ from bladewhirl.models.stage.loads import blade_means
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.speed_change import compliance_over_speeds
-from bladewhirl.models.stage.stage import BladeStiffness, Stage, Turning
+from bladewhirl.models.stage.stage import Basis, BladeStiffness, Stage, Turning
 from bladewhirl.models.stage.superelement_structure import wheel_over_speeds
 from bladewhirl.models.stage.varying_speed import ComplianceOverSpeeds
 from bladewhirl.models.structure.rotating import Rotating
@@ -285,6 +285,13 @@ class Matrices(Stage):
             assert reduced.root is not None  # the rotation acts on the structure
             at_rest = reduced.root @ reduced.root
         return own, BladeStiffness(blades=wheel.blades_at(at), slope=slope, at_rest=at_rest)
+
+    @property
+    def basis(self) -> Basis:
+        reduction = self.case.reduction
+        if reduction.boundary == "massless":
+            return Basis("reduction.free_interface_modes", reduction.free_interface_modes)
+        return Basis("reduction.fixed_interface_modes", reduction.fixed_interface_modes)
 
     @property
     def fewer_modes(self) -> str:

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,13 @@ class Turning:
     of their factors, see `Load`."""
     factor: FloatArray = field(default_factory=lambda: np.ones(1))
     """Factor on the stiffness of each copy, (copies,)."""
+
+
+class Basis(NamedTuple):
+    """Number of modes of a reduction."""
+
+    key: str  #: key of the case that gives the number
+    used: int  #: number used, which may have one more to complete a pair
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -268,6 +275,17 @@ class Stage(Ring, ABC):
     @abstractmethod
     def fewer_modes(self) -> str:
         """Changes of the case that raise the critical time step, in words."""
+
+    @property
+    @abstractmethod
+    def basis(self) -> Basis:
+        """Modes to which the bladed disk, or the shaft, is reduced."""
+
+    @property
+    def frequency_error(self) -> Mapping[str, float]:
+        """Largest relative error of the frequencies by the reduction, by family; empty if it is not
+        known."""
+        return {}
 
     def own_hints(self) -> Iterator[str]:
         """Yield warnings about implausible values that not every stage can have, one line each."""

@@ -128,6 +128,16 @@ class Motion:
         """True if the stage has a centre or a shaft line."""
         return self.has_shaft or has(self.result, "line")
 
+    @property
+    def places(self) -> Array:
+        """Displacement of what moves at every record [m], (time, places, axes): of the centre in
+        rotating axes, of the nodes of a shaft line in static axes, else of the contact nodes."""
+        if self.has_shaft and self.radius.any():
+            return np.asarray(self.orbit["rotating"].values[:, None])
+        if has(self.result, "line"):
+            return np.asarray(self.result["shaft_displacement"].values[..., :2])
+        return np.asarray(self.result["contact_displacement"].values)
+
     def record_at(self, time: float) -> int:
         """Return the number of records up to a time [s], at least one."""
         return max(1, int(np.searchsorted(self.result["time"].values, time, side="right")))
@@ -310,15 +320,14 @@ field of `summary.Summary` or a row of the schema of sweeps that has the name gi
 and brings the measure there."""
 
 
-def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
-    """Return the root mean square distance of the orbits of two runs in rotating axes, relative to
-    the root mean square radius of the orbit of `other`.
+def motion_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
+    """Return the root mean square distance of the motions of two runs, see `Motion.places`,
+    relative to the root mean square displacement of `other`.
 
-    Only records that both runs contain, up to the time `until` [s], are compared. NaN if the shaft
-    of `other` is at rest.
+    Only records that both runs contain, up to the time `until` [s], are compared. NaN if `other` is
+    at rest.
     """
-    a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
+    a, b = one.places, other.places
     records = min(len(a), len(b), other.record_at(until))
-    apart = np.sqrt(np.mean(np.sum((a[:records] - b[:records]) ** 2, axis=1)))
-    size = np.sqrt(np.mean(other.radius[:records] ** 2))
+    apart, size = (np.linalg.norm(each) for each in (a[:records] - b[:records], b[:records]))
     return float(apart / size) if size else float("nan")

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 RUNS = Path("runs")  #: default folder of runs
 
-TIME_STEP, MODES = Column("time_step", "Δt [µs]", ".4g", 1e6), Column("modes", "modes η", "d")
+TIME_STEP, MODES = Column("time_step", "Δt [µs]", ".4g", 1e6), Column("modes", "modes", "d")
 REFINEMENT = (
     Column("regime", "regime"),
-    Column("radius_max", "radius [mm]", ".5g", 1e3),
+    Column("radius_max", "largest [mm]", ".5g", 1e3),
     Column("impulse", "impulse [N s]", ".5g"),
-    Column("distance", "orbit [%]", ".3g", 100.0),
+    Column("distance", "motion [%]", ".3g", 100.0),
     Column("impulse_error", "impulse [%]", ".3g", 100.0),
 )
 """Columns of the tables of `convergence`; the last two are differences from the finest march."""
@@ -153,14 +153,15 @@ def convergence(
 ) -> None:
     """Study how a march depends on its time step and on its modes.
 
-    The case is marched with several time steps, then with several numbers of fixed-interface modes.
-    The output lists differences of orbit and contact impulse from the finest march, the orders of
-    convergence, and the regimes of motion, as in Section 4.2 of the paper. Figures with their data,
-    convergence.json and the marches are written into DIR.
+    The case is marched with several time steps, then with several numbers of modes: those of beams
+    with a fixed interface, of a superelement, or of a shaft line. The output lists differences of
+    motion and contact impulse from the finest march, the orders of convergence, and the regimes, as
+    in Section 4.2 of the paper. Figures with their data, convergence.json and the marches are
+    written into DIR.
 
     Args:
         time_steps: Time steps in s or with a unit; by default 4, 2, 1, 1/2 times that of the case.
-        modes: Numbers of fixed-interface modes; by default 2 to 6 per blade.
+        modes: Numbers of modes; by default 0.4 to 1.2 times that of the case.
     """
     from bladewhirl.studies.convergence.study import convergence as study
 

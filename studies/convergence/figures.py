@@ -28,8 +28,8 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
         return f"{label}, order {order:.2g}" if np.isfinite(order) else label
 
     lines = {
-        "free_step_distance": (with_order("orbit to first contact", "free_order"), "k = 0"),
-        "step_distance": (with_order("orbit", "displacement_order"), "rotor"),
+        "free_step_distance": (with_order("motion to first contact", "free_order"), "k = 0"),
+        "step_distance": (with_order("motion", "displacement_order"), "rotor"),
         "step_impulse_error": (with_order("contact impulse", "impulse_order"), "contact"),
     }
     figure, axes = _plot_errors(data, step, lines, slopes=True)
@@ -45,13 +45,13 @@ def plot_modes(data: xr.Dataset) -> Figure:
     """Draw differences from the march with the most modes, and the error of the frequencies, from a
     Dataset of `mode_convergence`."""
     lines = {
-        "distance": ("orbit, against most modes", "rotor"),
+        "distance": ("motion, against most modes", "rotor"),
         "impulse_error": ("contact impulse, against most modes", "contact"),
         "frequency_error": ("frequencies 1F to 5F", "k = 0"),
     }
     figure, axes = _plot_errors(data, data["kept"].values, lines)
     axes.set_xticks(data["kept"].values)
-    axes.set(xlabel="fixed-interface modes η", ylabel="relative error [%]")
+    axes.set(xlabel=f"modes ({data.attrs['key']})", ylabel="relative error [%]")
     return figure
 
 

@@ -1,11 +1,12 @@
 """Convergence of time integration in its time step and its modes: Section 4.2 of the paper.
 
 Marches with different time steps, or with different numbers of modes, are compared with the finest
-march: by the distance of the shaft's orbits (root mean square in rotating axes, divided by the
-radius of the finest orbit), the total normal impulse and the regime.
+march: by the distance of the motions (root mean square, divided by that of the finest motion), the
+total normal impulse and the regime. The motion is that of the shaft, or of the contact nodes of
+blades without a common centre.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,17 +20,16 @@ from scipy.optimize import minimize_scalar
 from bladewhirl.files import json_text, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.inputs.errors import CaseError, Fault, UserError, writing
-from bladewhirl.models.shaft_line.line import refuse_line
-from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.build_beams import build_beams
+from bladewhirl.models.case.file import case_fault, with_values
+from bladewhirl.models.inputs.errors import CaseError, UserError, writing
+from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.measures import Motion, orbit_distance
+from bladewhirl.postprocess.run.measures import Motion, motion_distance
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.sweeps.cache import Progress, RunStore, run_key
 
-TIME_STEP, MODES = "march.time_step", "reduction.fixed_interface_modes"
+TIME_STEP = "march.time_step"
 
 RUNS_NAME = "runs"  #: name of the folder of the marches
 
@@ -37,7 +37,9 @@ REFINEMENTS = (4.0, 2.0, 1.0, 0.5)
 """Default time steps, divided by the time step of the case. A step is used only if it is below the
 critical time step and divides the time between records."""
 
-SECTORS = (2, 3, 4, 5, 6)  #: default numbers of fixed-interface modes per blade
+SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)
+"""Default numbers of modes, divided by that of the case: 2 to 6 modes a blade for the default of 22
+blades."""
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families for which the paper states frequency errors."""
@@ -75,7 +77,7 @@ def convergence(
         case: case to march.
         directory: folder to make.
         time_steps: two or more time steps [s], descending; `default_time_steps` if None.
-        modes: two or more numbers of fixed-interface modes, ascending; `default_modes` if None.
+        modes: two or more numbers of modes of the reduction, ascending; `default_modes` if None.
         overwrite: whether to write into an existing folder.
         scheduler: address of a dask scheduler; if None, processes of this computer march.
         workers: number of processes of this computer; one per core if None; if 1, this
@@ -90,10 +92,9 @@ def convergence(
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.studies.convergence.figures import plot_modes, plot_time_steps
 
-    refuse_line(case)
-    folder = Path(directory)
+    stage, folder = build_stage(case), Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
-    for key, values in ((TIME_STEP, time_steps), (MODES, modes)):
+    for key, values in ((TIME_STEP, time_steps), (stage.basis.key, modes)):
         for value in values or ():
             try:
                 with_values(case, {key: value})
@@ -102,7 +103,7 @@ def convergence(
                 named = "" if line.startswith(f"{key} = ") else f"{key} = {value:g}: "
                 raise UserError(f"{named}{line}") from None
     store = RunStore(directory=folder / RUNS_NAME, scheduler=scheduler, workers=workers)
-    steps, counts = time_steps or default_time_steps(case), modes or default_modes(case)
+    steps, counts = time_steps or default_time_steps(stage), modes or default_modes(stage)
     study = Convergence(
         time_steps=time_step_convergence(case, steps, store, progress),
         modes=mode_convergence(case, counts, store, progress),
@@ -114,15 +115,15 @@ def convergence(
     return study
 
 
-def default_time_steps(case: Case) -> list[float]:
+def default_time_steps(stage: Stage) -> list[float]:
     """Return the default time steps, descending [s]: the steps of `REFINEMENTS` that can be used.
 
     Raises:
-        CaseError: all errors that prevent time integration of the case.
+        CaseError: all errors that prevent time integration of the stage.
     """
-    limit = contact_problem(build_beams(case)).critical_time_step
-    steps = [scale * case.march.time_step for scale in REFINEMENTS]
-    ratios = [case.march.record_step / step for step in steps]
+    limit, march = contact_problem(stage).critical_time_step, stage.case.march
+    steps = [scale * march.time_step for scale in REFINEMENTS]
+    ratios = [march.record_step / step for step in steps]
     return [
         step
         for step, ratio in zip(steps, ratios, strict=True)
@@ -130,22 +131,28 @@ def default_time_steps(case: Case) -> list[float]:
     ]
 
 
-def default_modes(case: Case) -> list[int]:
-    """Return how many fixed-interface modes the study keeps by default, in ascending order.
+def default_modes(stage: Stage) -> list[int]:
+    """Return how many modes the study keeps by default, in ascending order, see `SHARES`.
 
     Raises:
-        CaseError: the bladed disk has too few degrees of freedom for at least two of these numbers.
+        CaseError: at least two of these numbers are not possible.
     """
-    stage = build_beams(case)
-    inner = stage.disk.structure.size - sum(map(len, stage.boundary_sets.values()))
-    counts = [count * case.blades for count in SECTORS if count * case.blades <= inner]
+    key, used = stage.basis
+    counts = sorted({max(1, round(share * used)) for share in SHARES})
+    while counts and not _is_possible(stage.case, {key: counts[-1]}):
+        counts.pop()
     if len(counts) < 2:
-        expected = (
-            f"at least {SECTORS[1] * case.blades} inner degrees of freedom for the default numbers"
-            f" of modes, not {inner}; use more elements, or give the numbers by --modes"
-        )
-        raise CaseError([Fault(key="bladed_disk", expected=expected)])
+        expected = "at least 2 numbers of modes that the stage can have; give them by --modes"
+        raise CaseError([case_fault(stage.case, key, expected)])
     return counts
+
+
+def _is_possible(case: Case, changes: Mapping[str, Any]) -> bool:
+    try:
+        build_stage(with_values(case, changes))
+    except CaseError:
+        return False
+    return True
 
 
 def time_step_convergence(
@@ -160,16 +167,17 @@ def time_step_convergence(
         progress: called with the numbers of finished marches and of all marches.
 
     Returns:
-        Dataset over `time_step` [s]: `regime`; `radius_max`, largest displacement of the shaft [m];
-        `impulse`, total normal impulse on all blades [N s]; `distance` and `impulse_error`,
-        differences of orbit and impulse from the finest time step (`impulse_error` is NaN without
-        contact); `step_distance` and `step_impulse_error`, differences from the next finer time
-        step (NaN at the finest step); `free_step_distance`, `step_distance` of the orbits up to the
-        first contact in any march. Attributes: `free_until` [s], the time of this first contact;
-        `displacement_order`, `impulse_order` and `free_order`, the observed orders of
-        `step_distance`, `step_impulse_error` and `free_step_distance`, see `observed_order`. The
-        order is two without contact, and one in contact. If contacts make the motion chaotic,
-        differences stop decreasing, and the order over the complete march is near zero or NaN.
+        Dataset over `time_step` [s]: `regime`; `radius_max`, largest displacement of the shaft, or
+        of a contact node [m]; `impulse`, total normal impulse on all blades [N s]; `distance` and
+        `impulse_error`, differences of motion and impulse from the finest time step
+        (`impulse_error` is NaN without contact); `step_distance` and `step_impulse_error`,
+        differences from the next finer time step (NaN at the finest step); `free_step_distance`,
+        `step_distance` of the motions up to the first contact in any march. Attributes:
+        `free_until` [s], the time of this first contact; `displacement_order`, `impulse_order` and
+        `free_order`, the observed orders of `step_distance`, `step_impulse_error` and
+        `free_step_distance`, see `observed_order`. The order is two without contact, and one in
+        contact. If contacts make the motion chaotic, differences stop decreasing, and the order
+        over the complete march is near zero or NaN.
 
     Raises:
         UserError: a march failed.
@@ -190,7 +198,7 @@ def time_step_convergence(
 def mode_convergence(
     case: Case, modes: Sequence[int], store: RunStore, progress: Progress | None = None
 ) -> xr.Dataset:
-    """March a case with several numbers of fixed-interface modes, as for claim 17 of the paper.
+    """March a case with several numbers of modes, as for claim 17 of the paper.
 
     The paper reports motion convergence: already with few modes the kind of motion no longer
     changes, while displacements do not converge asymptotically.
@@ -202,23 +210,26 @@ def mode_convergence(
         Dataset over `modes`: the variables of `time_step_convergence`, where the finest march has
         the most modes; `kept`, the number of modes used, which may include one more mode to
         complete a pair; `frequency_error`, the largest relative frequency error of the reduced
-        bladed disk in the families 1F to 5F (claim 5; NaN without these families). Attribute
-        `motion_converged`: 1 if all marches have the same regime.
+        bladed disk in the families 1F to 5F (claim 5; NaN without these families). Attributes:
+        `key`, the key of the number of modes; `motion_converged`, 1 if all marches have the same
+        regime.
 
     Raises:
         UserError: a march failed.
     """
-    compared = _compared(case, MODES, list(modes), store, progress)
-    stages = [build_beams(with_values(case, {MODES: count})) for count in modes]
+    key = build_stage(case).basis.key
+    compared = _compared(case, key, list(modes), store, progress)
+    stages = [build_stage(with_values(case, {key: count})) for count in modes]
     data = compared.rename({"refined": "modes"}).assign_coords(
-        modes=("modes", np.array(modes), {"long_name": "fixed-interface modes"})
+        modes=("modes", np.array(modes), {"long_name": key})
     )
-    data["kept"] = "modes", [stage.reduction.kept for stage in stages]
+    data["kept"] = "modes", [stage.basis.used for stage in stages]
     errors = [stage.frequency_error for stage in stages]
     worst = [max((error[k] for k in FAMILIES if k in error), default=np.nan) for error in errors]
     data["frequency_error"] = "modes", worst, {"units": "1"}
     return data.assign_attrs(
-        title="convergence in the fixed-interface modes",
+        title="convergence in the modes",
+        key=key,
         motion_converged=int(len(set(data["regime"].values)) == 1),
     )
 
@@ -278,13 +289,16 @@ def _compared(
         finer, free = list(pairwise(motions)), min(motion.first_contact for motion in motions)
         columns: dict[str, tuple[Sequence[Any] | FloatArray, str]] = {
             "regime": ([motion.regime.name for motion in motions], ""),
-            "radius_max": ([float(motion.radius.max()) for motion in motions], "m"),
+            "radius_max": (
+                [float(np.linalg.norm(motion.places, axis=-1).max()) for motion in motions],
+                "m",
+            ),
             "impulse": (impulse, "N s"),
-            "distance": ([orbit_distance(motion, finest) for motion in motions], "1"),
+            "distance": ([motion_distance(motion, finest) for motion in motions], "1"),
             "impulse_error": (_relative(impulse - impulse[-1], impulse[-1]), "1"),
-            "step_distance": ([*(orbit_distance(*pair) for pair in finer), np.nan], "1"),
+            "step_distance": ([*(motion_distance(*pair) for pair in finer), np.nan], "1"),
             "free_step_distance": (
-                [*(orbit_distance(*pair, until=free) for pair in finer), np.nan],
+                [*(motion_distance(*pair, until=free) for pair in finer), np.nan],
                 "1",
             ),
             "step_impulse_error": ([*_relative(np.diff(impulse), impulse[-1]), np.nan], "1"),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.models.case.file import loads
-from bladewhirl.postprocess.run.measures import Motion, orbit_distance
+from bladewhirl.postprocess.run.measures import Motion, motion_distance
 from bladewhirl.studies.paper.claim import Measures, measures
 from bladewhirl.studies.paper.trials import NotTestableError
 
@@ -39,7 +39,7 @@ def time_steps(coarse: Motion, chosen: Motion, fine: Motion) -> Measures:
     impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
     if not impulses[1]:
         raise NotTestableError("no contact with the finest time step")
-    distance, before = orbit_distance(chosen, fine), orbit_distance(coarse, fine)
+    distance, before = motion_distance(chosen, fine), motion_distance(coarse, fine)
     change = abs(impulses[0] / impulses[1] - 1.0)
     return {
         "distance": distance,
@@ -54,7 +54,7 @@ def time_steps(coarse: Motion, chosen: Motion, fine: Motion) -> Measures:
 def numbers_of_modes(*motions: Motion) -> Measures:
     """Return regimes, and distances of the orbits from the orbit with the most modes."""
     regimes = sorted({motion.regime.name for motion in motions})
-    apart = [orbit_distance(motion, motions[-1]) for motion in motions[:-1]]
+    apart = [motion_distance(motion, motions[-1]) for motion in motions[:-1]]
     return {
         "kinds": len(regimes),
         "regimes": ", ".join(regimes),

@@ -3,15 +3,18 @@
 import json
 import shutil
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 import xarray as xr
 from command_line import answer, refusal
+from exported_stage import Kind, same_stage
+from shaft_line_case import line_case
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads, with_values
-from bladewhirl.studies.convergence.study import MODES as MODES_KEPT
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.studies.convergence.study import (
     TIME_STEP,
     default_modes,
@@ -41,6 +44,8 @@ def small(*overrides: str) -> bw.Case:
 
 CLOSE = small("casing.clearance=0.2 mm")
 SHORT = small("march.duration=5 ms")
+KINDS = get_args(Kind)
+MODES_KEPT = "reduction.fixed_interface_modes"
 STEPS = [1e-5, 5e-6, 2.5e-6]
 MODES = [6, 12, 24]
 
@@ -94,12 +99,43 @@ def test_modes(store: RunStore) -> None:
 
 
 def test_default_time_steps_and_modes() -> None:
-    case = small()
-    assert default_modes(case) == [12, 18, 24, 30, 36]
-    assert max(default_time_steps(small("march.time_step=1e-5"))) <= 4e-5
-    # Of 1.6e-5 and 8e-6 s a record step of 1e-4 s is no multiple.
-    assert default_time_steps(case) == [4e-6, 2e-6]
-    assert default_time_steps(small("march.record_step=8e-5")) == [8e-6, 4e-6, 2e-6]
+    stage = build_stage(small())
+    assert default_modes(stage) == [5, 7, 10, 12, 14]
+    for more, steps in (
+        ("march.time_step=1e-5", [1e-5, 5e-6]),
+        ("march.duration=20 ms", [4e-6, 2e-6]),  # 1e-4 s is no multiple of 1.6e-5 and 8e-6 s
+        ("march.record_step=8e-5", [8e-6, 4e-6, 2e-6]),
+    ):
+        assert default_time_steps(build_stage(small(more))) == pytest.approx(steps)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_stage_converges(kind: Kind, tmp_path: Path) -> None:
+    """A stage of beams and its superelement depend on the time step in the same way."""
+    march = {"speed": "1200 rpm", "time_step": 2e-6, "record_step": 1e-4, "duration": 0.01}
+    both = same_stage(kind, tmp_path / "part.npz", march=march)
+    store = RunStore(directory=tmp_path / "marches", workers=1)
+    ours, theirs = (time_step_convergence(case, [4e-6, 2e-6], store) for case in both)
+    assert float(ours["impulse"].min()) > 0.0
+    for name in ("radius_max", "impulse", "distance", "impulse_error"):
+        np.testing.assert_allclose(theirs[name], ours[name], rtol=1e-3)
+    key, used = build_stage(both[1]).basis
+    data = mode_convergence(both[1], [used - 1, used], store)
+    assert data.attrs["key"] == key
+    assert 0.0 < float(data["distance"][0]) < 1.0
+    with pytest.raises(bw.UserError, match=f"{key} = 1000: expected"):
+        mode_convergence(both[1], [used, 1000], store)
+
+
+def test_a_shaft_line_converges_with_the_square_of_the_step(tmp_path: Path) -> None:
+    case, store = line_case(), RunStore(directory=tmp_path, workers=1)
+    steps = time_step_convergence(case, [2e-5, 1e-5, 5e-6], store)
+    assert steps.attrs["displacement_order"] == pytest.approx(2.0, abs=0.1)
+    counts = default_modes(build_stage(case))
+    assert counts == [2, 4, 5, 6, 7]
+    modes = mode_convergence(case, counts, store)
+    assert modes.attrs["key"] == "shaft_line.modes"
+    assert float(modes["distance"][-2]) < 0.1 * float(modes["distance"][0])
 
 
 def test_a_march_that_cannot_be_made(store: RunStore) -> None:

@@ -103,7 +103,6 @@ def test_show_lists_masses_and_static_loads(case: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["convergence"], "shaft_line: not allowed here"),
         (["periodic"], "shaft_line: not allowed here"),
         (["veering"], "shaft_line: not allowed here"),
         (["stability", "--kappa", "500"], "--kappa: not allowed with [shaft_line]"),
