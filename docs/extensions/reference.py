@@ -29,7 +29,7 @@ from bladewhirl.postprocess.plotting.registry import (
     SWEEP_FIGURES,
     FigureKind,
 )
-from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table
+from bladewhirl.solvers.march.schema import RESULT, SUMMARY, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.outputs import Run
 from bladewhirl.studies.sweeps.sweep import Sweep
@@ -307,6 +307,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "commands": commands,
     "results": partial(schema_table, RESULT),
     "sweeps": partial(schema_table, SWEEP),
+    "summary": partial(schema_table, SUMMARY),
     "run-figures": partial(figures, RUN_FIGURES, drawn=True),
     "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
     "branch-figures": partial(figures, BRANCH_FIGURES, drawn=True),

@@ -10,6 +10,7 @@ from bladewhirl.models.case.casing import Casing
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head

@@ -246,7 +246,7 @@ def energy_residual(dataset: xr.Dataset) -> float:
         name: dataset.variables[f"{name}_work"].values
         for name in ("external", "normal", "friction", "coupling", "damping")
     }
-    if "joint_work" in dataset:
+    if has(dataset, "joints"):
         works["joints"] = -dataset.variables["joint_work"].values.sum(axis=1)
     energy = dataset.variables["energy"].values
     since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
@@ -315,9 +315,9 @@ MEASURES: Mapping[str, Callable[[Motion], Any]] = {
     "unsolved_time": _attribute("unsolved_time"),
     **{name: _report(name) for name in MARCH_REPORT},
 }
-"""Measures of every march by name, as functions of a run; None if a run does not have a measure. A
-field of `summary.Summary` or a row of the schema of sweeps that has the name gives unit and meaning
-and brings the measure there."""
+"""Measures of every march by name, as functions of a run; None if a run does not have a measure.
+The row of the name in `solvers/march/schema.csv` gives unit and meaning, and says where the measure
+appears."""
 
 
 def motion_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:

@@ -1,7 +1,7 @@
 """Summary of a run: `summary.json`."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from typing import Any, TypedDict
 
 import numpy as np
@@ -32,6 +32,7 @@ from bladewhirl.postprocess.shaft.crossings import crossings
 from bladewhirl.postprocess.shaft.transforms import strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 from bladewhirl.postprocess.shaft_line.motion import line_bearing_forces
+from bladewhirl.solvers.march.schema import SUMMARY
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
@@ -67,88 +68,70 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """Key figures of a run; the fields are the keys of `summary.json`. Figures of quantities that
-    the stage does not have are None, lists are then empty."""
+    """Key figures of a run; the fields are the keys of `summary.json`, with the units and meanings
+    of `solvers.march.schema.SUMMARY`. Figures of quantities that the stage does not have are None,
+    lists are then empty."""
 
     regime: RegimeName
-    regime_criterion: str  #: criterion of the regimes, and the reason for the regime of this run
-    growth_rate: float | None  #: growth rate of the amplitude [1/s]; None if it cannot be judged
-    growth_rate_error: float | None  #: standard error of `growth_rate` [1/s]
-    growth_rate_end: float | None  #: growth rate fitted to the last five windows only [1/s]
-    growth_residual: float | None  #: root mean square misfit of the logarithm of the amplitude
-    ripple_growth_rate: float | None  #: growth rate of the motion about its mean position [1/s]
-    ripple_growth_rate_error: float | None  #: standard error of `ripple_growth_rate` [1/s]
-    end_reason: str  #: "completed", "divergent" or "interrupted"
-    end_time: float  #: time of the last record [s]
-    revolutions: float  #: number of revolutions
+    regime_criterion: str
+    growth_rate: float | None
+    growth_rate_error: float | None
+    growth_rate_end: float | None
+    growth_residual: float | None
+    ripple_growth_rate: float | None
+    ripple_growth_rate_error: float | None
+    end_reason: str
+    end_time: float
+    revolutions: float
     shaft_radius_max: float | None
-    """Largest displacement of the shaft over the records [m], anywhere along a shaft line."""
-    shaft_radius_final: float | None  #: displacement of the shaft at the last record [m]
+    shaft_radius_final: float | None
     bearing_force_max: float | None
-    """Largest force of the rotor on its bearings over the records, without its weight [N]."""
-    bearing_force_time: float | None  #: instant of this force [s]
+    bearing_force_time: float | None
     whirl_frequency_rotating: float | None
-    """Net turns per second [Hz] about the bearing's centre in rotating axes over the last third,
-    forward positive; None if there is no single whirl frequency, see `whirl.whirl`."""
-    whirl_frequency_static: float | None  #: whirl frequency in static axes [Hz]
-    #: standard error of the whirl frequency in either frame [Hz]
+    whirl_frequency_static: float | None
     whirl_frequency_error: float | None
-    whirl_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum over the last third
+    whirl_lines: list[LineOfWhirl]
     ripple_rms: float | None
-    """Motion of the shaft about its mean position, rotating axes, last third [m]."""
-    ripple_frequency: float | None  #: net turns per second about the mean position [Hz]
-    ripple_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum of the ripple
-    critical_crossings: list[CriticalCrossing]  #: crossings of critical speeds, in order of time
-    tip_displacement_max: float  #: largest displacement of a contact node over the records [m]
+    ripple_frequency: float | None
+    ripple_lines: list[LineOfWhirl]
+    critical_crossings: list[CriticalCrossing]
+    tip_displacement_max: float
     contact_displacement_max: dict[str, float]
-    """Largest displacement of a contact node in each direction over the records [m]."""
-    strain_energy_max: float  #: largest strain energy of bladed disk and shaft springs [J]
-    strain_energy_final: (
-        EnergyHolders | None
-    )  #: strain energies of groups of modes, last record [J]
+    strain_energy_max: float
+    strain_energy_final: EnergyHolders | None
     strain_energy_rest: dict[str, float] | None
-    """Strain energy `rest` of the last record by family [J]."""
     strain_energy_casing_final: float | None
-    """Strain energy of casing and its support, last record [J]."""
-    energy_final: float  #: energy at the end [J], the sum of all works and of the initial energy
-    work: Works  #: works of load, contact forces, damping and drive [J]
-    drive_power: float | None  #: mean power against contact forces over the last third [W]
-    drive_torque: float | None  #: `drive_power` divided by the speed [N m]; None at rest
-    friction_power: float | None  #: mean power against friction over the last third [W]
-    friction_torque: float | None  #: mean torque against friction over the last third [N m]
-    casing_displacement_max: dict[str, extremes.WallPeak] | None  #: "radial" and "tangential"
+    energy_final: float
+    work: Works
+    drive_power: float | None
+    drive_torque: float | None
+    friction_power: float | None
+    friction_torque: float | None
+    casing_displacement_max: dict[str, extremes.WallPeak] | None
     contact_force_max: extremes.ForcePeak
-    contact_impulse: float  #: sum of the normal impulses on all blades [N s]
-    contact_impulse_by_blade: list[float]  #: sum for each blade [N s]
+    contact_impulse: float
+    contact_impulse_by_blade: list[float]
     impulse_per_revolution: float | None
-    """Normal impulse on all blades per revolution [N s], averaged over at most ten complete
-    revolutions at the end; None without a complete revolution."""
     stress_max: dict[str, extremes.StressPeak] | None
-    """Largest stress of "bladed_disk" and "casing", of stages of beams, and of superelements whose
-    file gives the recovery of stress."""
     stress_split: extremes.StressSplit | None
-    """Mean and alternating stress of the blade in which they are most severe."""
-    blade_loss: str | None  #: blades that were lost, and when
-    fuse_time: float | None  #: time at which the support fused [s]
-    yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
-    contact_share: list[float]  #: share of the time steps in contact, for each contact node
-    gap_violation_max: float  #: deepest penetration at any step [m]
-    energy_residual: float  #: error of the energy balance, relative to its largest term
-    complementarity_residual: float  #: largest residual of any step, relative to the gap's scale
+    blade_loss: str | None
+    fuse_time: float | None
+    yield_strength: float | None
+    contact_share: list[float]
+    gap_violation_max: float
+    energy_residual: float
+    complementarity_residual: float
     unsolved_steps: int
-    """Number of steps whose contact problem was not solved: no exact method succeeded, or forces or
-    sliding directions did not converge."""
-    unsolved_time: float | None  #: end of the first of these steps [s]; None without one
-    unsolved_impulse_share: float  #: share of the contact impulse that these steps have
-    unsolved_wear_share: float  #: share of the worn volume that these steps have
-    record_step: float  #: time between the records, of which largest values are [s]
-    dt_over_critical: float  #: ratio of the time step to the critical time step
+    unsolved_time: float | None
+    unsolved_impulse_share: float
+    unsolved_wear_share: float
+    record_step: float
+    dt_over_critical: float
     steps: int
-    wall_time: float  #: [s]
-    us_per_step: float  #: [µs]
-    joints: dict[str, JointFigures] = field(default_factory=dict)  #: friction joints by name
+    wall_time: float
+    us_per_step: float
+    joints: dict[str, JointFigures] = field(default_factory=dict)
     wear: dict[str, Any] = field(default_factory=dict)
-    """Wear of the coating, see `wear_summary`; its entries are keys of `summary.json`."""
 
     def to_json(self) -> str:
         """Return the summary as a JSON document with full precision."""
@@ -189,8 +172,7 @@ def summarise(
     largest_motion = largest_contact_motion(dataset).max(0, initial=0.0).tolist()
     wear = wear_summary(dataset)
     contact_steps = dataset["contact_steps"].sum("time").values
-    names = [each.name for each in fields(Summary) if each.name in MEASURES]
-    measured = {name: MEASURES[name](run) for name in names}
+    measured = {name: MEASURES[name](run) for name in SUMMARY if name in MEASURES}
     return Summary(
         **measured,
         **_shaft_figures(run, measured["tip_displacement_max"]),

@@ -15,6 +15,7 @@ from bladewhirl.postprocess.run.summary import (
 )
 from bladewhirl.postprocess.run.wear import lobes_text
 from bladewhirl.postprocess.shaft.transforms import Frame
+from bladewhirl.solvers.march.schema import SUMMARY
 
 MOSTLY = 0.5  #: share of the mean square of a line that describes the motion
 
@@ -28,16 +29,16 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
         **({} if summary.blade_loss is None else {"loss": summary.blade_loss}),
-        **_known("support fused at", summary.fuse_time, "s"),
+        **_known("support fused at", summary, "fuse_time"),
         **_shaft(summary),
         **_walls(summary.casing_displacement_max),
         **_tips(summary),
-        "strain energy, largest": _text(summary.strain_energy_max, "J"),
+        "strain energy, largest": _shown(summary, "strain_energy_max"),
         **_energies(summary.strain_energy_final),
-        **_known("casing's strain energy, final", summary.strain_energy_casing_final, "J"),
+        **_known("casing's strain energy, final", summary, "strain_energy_casing_final"),
         "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
-        f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')},{joints} damping"
-        f" {_text(work['damping'], 'J')}",
+        f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')},"
+        f"{joints} damping {_text(work['damping'], 'J')}",
         **_drive(summary),
         **_contact_force(summary),
         **_stresses(summary),
@@ -56,7 +57,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
 def _tips(summary: Summary) -> dict[str, str]:
     if not summary.contact_impulse_by_blade:  # a shaft line
         return {}
-    rows = {"tip displacement, largest": _text(summary.tip_displacement_max, "m")}
+    rows = {"tip displacement, largest": _shown(summary, "tip_displacement_max")}
     return rows | _directions(summary.contact_displacement_max)
 
 
@@ -68,8 +69,8 @@ def _shaft(summary: Summary) -> dict[str, str]:
     if summary.shaft_radius_max is None:
         return {}
     rows = {
-        "shaft radius, largest": f"{_text(summary.shaft_radius_max, 'm')},"
-        f" {_text(summary.shaft_radius_final, 'm')} at the end",
+        "shaft radius, largest": f"{_shown(summary, 'shaft_radius_max')},"
+        f" {_shown(summary, 'shaft_radius_final')} at the end",
         **_bearings(summary),
     }
     if summary.ripple_rms is None:  # a shaft line, each place of which has its own orbit
@@ -82,7 +83,7 @@ def _shaft(summary: Summary) -> dict[str, str]:
         "whirl, static frame": _whirl(
             summary.whirl_frequency_static, summary.whirl_lines, "static", summary.end_time
         ),
-        "ripple about the mean position": f"{_text(summary.ripple_rms, 'm')} (rms),"
+        "ripple about the mean position": f"{_shown(summary, 'ripple_rms')} (rms),"
         f" {_whirl(summary.ripple_frequency, summary.ripple_lines, 'rotating', np.inf)}",
         **_crossings(summary.critical_crossings),
     }
@@ -94,10 +95,10 @@ def _drive(summary: Summary) -> dict[str, str]:
         heat = _text(work["heat"], "J")
         rows["work of the drive"] = f"{_text(work['drive'], 'J')}, of it friction heat {heat}"
     if power is not None:
-        torque = "" if summary.drive_torque is None else f", {_text(summary.drive_torque, 'N m')}"
-        rows["drive over the last third"] = _text(power, "W") + torque
+        torque = "" if summary.drive_torque is None else f", {_shown(summary, 'drive_torque')}"
+        rows["drive over the last third"] = _shown(summary, "drive_power") + torque
     elif summary.friction_power:
-        text = f"{_text(summary.friction_power, 'W')}, {_text(summary.friction_torque, 'N m')}"
+        text = f"{_shown(summary, 'friction_power')}, {_shown(summary, 'friction_torque')}"
         rows["drive against friction, last third"] = text
     return rows
 
@@ -105,7 +106,7 @@ def _drive(summary: Summary) -> dict[str, str]:
 def _bearings(summary: Summary) -> dict[str, str]:
     if summary.bearing_force_max is None:
         return {}
-    force, time = _text(summary.bearing_force_max, "N"), _text(summary.bearing_force_time, "s")
+    force, time = _shown(summary, "bearing_force_max"), _shown(summary, "bearing_force_time")
     return {"force on the bearings, largest": f"{force} at {time}"}
 
 
@@ -133,8 +134,8 @@ def _directions(largest: dict[str, float]) -> dict[str, str]:
     return {"  by direction": ", ".join(parts)} if parts else {}
 
 
-def _known(name: str, value: float | None, unit: str) -> dict[str, str]:
-    return {} if value is None else {name: _text(value, unit)}
+def _known(row: str, summary: Summary, name: str) -> dict[str, str]:
+    return {} if getattr(summary, name) is None else {row: _shown(summary, name)}
 
 
 def _force(summary: Summary) -> str:
@@ -147,7 +148,7 @@ def _force(summary: Summary) -> str:
     return (
         f"{_text(force['force'], 'N')} over {_text(force['averaged_over'], 's')}, blade"
         f" {force['blade']}{node} at {_text(force['time'], 's')}{blade}; impulse of all"
-        f" {_text(summary.contact_impulse, 'N s')}{_doubtful(summary.unsolved_impulse_share)}"
+        f" {_shown(summary, 'contact_impulse')}{_doubtful(summary.unsolved_impulse_share)}"
     )
 
 
@@ -158,7 +159,7 @@ def unsolved_share(summary: Summary) -> str:
         return ""
     worn = f" and {summary.unsolved_wear_share:.2g} of the wear" if summary.wear else ""
     return (
-        f" (first at {_text(summary.unsolved_time, 's')}, residual"
+        f" (first at {_shown(summary, 'unsolved_time')}, residual"
         f" {summary.complementarity_residual:.3g}; {summary.unsolved_impulse_share:.2g} of the"
         f" impulse{worn})"
     )
@@ -202,6 +203,11 @@ def _normal(work: Works) -> str:
         return f"normal forces {_text(work['normal'], 'J')}"
     passing = _text(work["normal"] - closing, "J")
     return f"closing tips {_text(closing, 'J')}, passing wall {passing}"
+
+
+def _shown(summary: Summary, name: str) -> str:
+    """Return a measure in a handy unit; a dash if it is not known."""
+    return _text(getattr(summary, name), SUMMARY[name].units)
 
 
 def _text(value: float | None, unit: str) -> str:
@@ -287,5 +293,5 @@ def _contact(summary: Summary) -> dict[str, str]:
     if several:
         rows["contact nodes that touched"] = f"{np.count_nonzero(shares)} of {len(shares)}"
     if summary.impulse_per_revolution:
-        rows["impulse per revolution, at the end"] = _text(summary.impulse_per_revolution, "N s")
-    return rows | {"deepest penetration": _text(summary.gap_violation_max, "m")}
+        rows["impulse per revolution, at the end"] = _shown(summary, "impulse_per_revolution")
+    return rows | {"deepest penetration": _shown(summary, "gap_violation_max")}

@@ -1,4 +1,4 @@
-"""The schema of result.nc and sweep.nc: variables with their dimensions, units and meanings.
+"""The schema of results, sweeps and summaries: names, dimensions, units and meanings.
 
 The schema is the table schema.csv in the folder of this module. The schema determines the files
 that are written and read; `schema_table` returns it as text.
@@ -110,6 +110,12 @@ SWEEP: Mapping[str, Variable] = _read("sweep")
 SCREENING: Mapping[str, Variable] = _read("screening")
 """Variables of sweep.nc if points are screened."""
 
+SUMMARY: Mapping[str, Variable] = _read("summary")
+"""Measures of a run in its summary, named as the fields of `Summary`; a "table" has several."""
+
+CONVERGENCE: Mapping[str, Variable] = _read("convergence")
+"""Measures of a run in a study of convergence."""
+
 
 def parts_of(names: Iterable[str]) -> set[str]:
     """Return the parts, see `Variable.part`, of a stage whose result or sweep has these names."""
@@ -127,7 +133,7 @@ def schema_table(file: Mapping[str, Variable]) -> str:
     """Return a Markdown table with a row for each variable of a file, for the documentation.
 
     Args:
-        file: `RESULT` or `SWEEP`.
+        file: `RESULT`, `SWEEP` or `SUMMARY`.
     """
     return "\n".join(_rows(file)) + "\n"
 

@@ -30,7 +30,7 @@ TIME_STEP, MODES = Column("time_step", "Δt [µs]", ".4g", 1e6), Column("modes",
 REFINEMENT = (
     Column("regime", "regime"),
     Column("radius_max", "largest [mm]", ".5g", 1e3),
-    Column("impulse", "impulse [N s]", ".5g"),
+    Column("contact_impulse", "impulse [N s]", ".5g"),
     Column("distance", "motion [%]", ".3g", 100.0),
     Column("impulse_error", "impulse [%]", ".3g", 100.0),
 )

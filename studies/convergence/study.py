@@ -25,7 +25,8 @@ from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.measures import Motion, motion_distance
+from bladewhirl.postprocess.run.measures import MEASURES, Motion, motion_distance
+from bladewhirl.solvers.march.schema import CONVERGENCE
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.sweeps.cache import Progress, RunStore, run_key
 
@@ -168,8 +169,8 @@ def time_step_convergence(
 
     Returns:
         Dataset over `time_step` [s]: `regime`; `radius_max`, largest displacement of the shaft, or
-        of a contact node [m]; `impulse`, total normal impulse on all blades [N s]; `distance` and
-        `impulse_error`, differences of motion and impulse from the finest time step
+        of a contact node [m]; `contact_impulse`, total normal impulse on all blades [N s];
+        `distance` and `impulse_error`, differences of motion and impulse from the finest time step
         (`impulse_error` is NaN without contact); `step_distance` and `step_impulse_error`,
         differences from the next finer time step (NaN at the finest step); `free_step_distance`,
         `step_distance` of the motions up to the first contact in any march. Attributes:
@@ -285,31 +286,31 @@ def _compared(
     with ExitStack() as results:
         motions = [Motion(results.enter_context(open_result(store.path(one)))) for one in cases]
         finest = motions[-1]
-        impulse = np.array([float(motion.result["contact_impulse"].sum()) for motion in motions])
-        finer, free = list(pairwise(motions)), min(motion.first_contact for motion in motions)
-        columns: dict[str, tuple[Sequence[Any] | FloatArray, str]] = {
-            "regime": ([motion.regime.name for motion in motions], ""),
-            "radius_max": (
-                [float(np.linalg.norm(motion.places, axis=-1).max()) for motion in motions],
-                "m",
-            ),
-            "impulse": (impulse, "N s"),
-            "distance": ([motion_distance(motion, finest) for motion in motions], "1"),
-            "impulse_error": (_relative(impulse - impulse[-1], impulse[-1]), "1"),
-            "step_distance": ([*(motion_distance(*pair) for pair in finer), np.nan], "1"),
-            "free_step_distance": (
-                [*(motion_distance(*pair, until=free) for pair in finer), np.nan],
-                "1",
-            ),
-            "step_impulse_error": ([*_relative(np.diff(impulse), impulse[-1]), np.nan], "1"),
+        regime, impulses = (
+            [MEASURES[name](motion) for motion in motions] for name in ("regime", "contact_impulse")
+        )
+        impulse, finer = np.array(impulses), list(pairwise(motions))
+        free = min(motion.first_contact for motion in motions)
+        columns = {
+            "regime": regime,
+            "radius_max": [np.linalg.norm(motion.places, axis=-1).max() for motion in motions],
+            "contact_impulse": impulse,
+            "distance": [motion_distance(motion, finest) for motion in motions],
+            "impulse_error": _relative(impulse - impulse[-1], impulse[-1]),
+            "step_distance": [*(motion_distance(*pair) for pair in finer), np.nan],
+            "free_step_distance": [
+                *(motion_distance(*pair, until=free) for pair in finer),
+                np.nan,
+            ],
+            "step_impulse_error": [*_relative(np.diff(impulse), impulse[-1]), np.nan],
         }
         attributes = {name: finest.result.attrs[name] for name in ("speed", "reference_frequency")}
         attributes["case_title"] = finest.result.attrs["title"]
         attributes |= {"free_until": min(free, finest.end), "end": finest.end}
     return xr.Dataset(
         {
-            name: ("refined", np.array(column), {"units": units} if units else {})
-            for name, (column, units) in columns.items()
+            name: ("refined", np.array(column), CONVERGENCE[name].attributes)
+            for name, column in columns.items()
         },
         attrs=attributes,
     )

@@ -4,7 +4,7 @@ import io
 import json
 import re
 import tracemalloc
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.energy.works import drive_work
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.measures import energy_residual
+from bladewhirl.postprocess.run.measures import MEASURES, energy_residual
 from bladewhirl.postprocess.run.stresses import stress_history
 from bladewhirl.postprocess.run.summary import Summary, summarise
 from bladewhirl.postprocess.run.summary_table import (
@@ -33,6 +33,7 @@ from bladewhirl.postprocess.run.summary_table import (
     unsolved_share,
 )
 from bladewhirl.postprocess.run.wear import wear_summary
+from bladewhirl.solvers.march.schema import CONVERGENCE, SUMMARY, SWEEP
 from bladewhirl.studies.runs.columns import facts
 
 Array = NDArray[np.float64]
@@ -424,6 +425,17 @@ WORN = xr.Dataset(
     },
 )
 """Variables of a result with a coating that its summary needs."""
+
+
+def test_every_measure_has_one_row_in_the_registry() -> None:
+    """Names, units and meanings of the summary, of sweeps and of convergence are in one table."""
+    assert {*SUMMARY} == {field.name for field in fields(Summary)}
+    assert MEASURES.keys() <= SUMMARY.keys() | SWEEP.keys()
+    for name in CONVERGENCE.keys() & SUMMARY.keys():
+        assert CONVERGENCE[name] == SUMMARY[name]
+    for name, variable in {**SUMMARY, **CONVERGENCE}.items():
+        assert variable.long_name, name
+        assert variable.units or variable.kind in ("str", "table"), name
 
 
 class TestWriting:

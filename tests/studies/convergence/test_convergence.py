@@ -78,7 +78,7 @@ def test_orders_before_and_in_contact(store: RunStore) -> None:
     data = time_step_convergence(CLOSE, STEPS, store)
     assert 0.0 < data.attrs["free_until"] < 5e-3
     assert data.attrs["free_order"] == pytest.approx(2.0, abs=0.2)
-    impulse = data["impulse"].values
+    impulse = data["contact_impulse"].values
     assert (impulse > 0.0).all()
     error = np.abs(impulse - impulse[-1]) / impulse[-1]
     np.testing.assert_allclose(data["impulse_error"], error)
@@ -116,8 +116,8 @@ def test_every_stage_converges(kind: Kind, tmp_path: Path) -> None:
     both = same_stage(kind, tmp_path / "part.npz", march=march)
     store = RunStore(directory=tmp_path / "marches", workers=1)
     ours, theirs = (time_step_convergence(case, [4e-6, 2e-6], store) for case in both)
-    assert float(ours["impulse"].min()) > 0.0
-    for name in ("radius_max", "impulse", "distance", "impulse_error"):
+    assert float(ours["contact_impulse"].min()) > 0.0
+    for name in ("radius_max", "contact_impulse", "distance", "impulse_error"):
         np.testing.assert_allclose(theirs[name], ours[name], rtol=1e-3)
     key, used = build_stage(both[1]).basis
     data = mode_convergence(both[1], [used - 1, used], store)
