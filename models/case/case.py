@@ -58,10 +58,10 @@ class Case(Tables):
                 yield fault._replace(key=f"{key}.{fault.key}")
         yield from super().inconsistencies()
         yield from sensor_faults(self.sensor, self.blades)
-        yield from joint_faults(self.joint, self.superelement, self.reduction.boundary)
         if self.superelement is None:
             yield from broken("Case of beams", self)
         else:
+            yield from joint_faults(self.joint, self.superelement)
             yield from broken("Case of a superelement", self.superelement, self)
 
     @property

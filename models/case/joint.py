@@ -2,14 +2,12 @@
 
 import math
 import re
-from collections.abc import Iterator
 from numbers import Real
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.rules import Inconsistency
 from bladewhirl.models.inputs.table import ReplacedKeys
 
 SMALLEST_PART = 1e-3
@@ -87,28 +85,10 @@ class Joint(ReplacedKeys):
         """Unit normal: radial, tangential and axial component."""
         return self.normal or (0.0, math.cos(self.angle), math.sin(self.angle))
 
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield errors for nodes without partners, a normal that does not point to the next blade,
-        and several keys for one gap."""
-        yield from super().inconsistencies()
-        if len(self.left) != len(self.right):
-            expected = f"as many nodes as left, which has {len(self.left)}"
-            yield Inconsistency("right", expected, list(self.right))
-        if same := {*self.left} & {*self.right}:
-            expected = f"nodes that are not in left: node {min(same)} would touch itself"
-            yield Inconsistency("right", expected, list(self.right))
-        if len({*self.left}) < len(self.left) or len({*self.right}) < len(self.right):
-            yield Inconsistency("left", "each node once in left and in right", list(self.left))
-        if not self.direction[1] > SMALLEST_PART:
-            key = "angle" if self.normal is None else "normal"
-            yield Inconsistency(
-                key,
-                "a normal that points from a blade to the next one, with a positive tangential"
-                " component; this one lies along the blade or points back",
-            )
-        given = [key for key in ("gap", "overclosure", "preload") if getattr(self, key) is not None]
-        if len(given) > 1:
-            yield Inconsistency(given[1], f"not allowed together with {given[0]}; remove one")
+    @property
+    def pressing(self) -> list[str]:
+        """Given keys among those of which a joint has one."""
+        return [key for key in ("gap", "overclosure", "preload") if getattr(self, key) is not None]
 
 
 JointRows = Annotated[

@@ -1,4 +1,4 @@
-"""Errors of joints that a case cannot have."""
+"""Errors between the joints of a case."""
 
 from collections.abc import Iterator
 
@@ -7,26 +7,8 @@ from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs.rules import Inconsistency
 
 
-def joint_faults(
-    joints: tuple[Joint, ...], table: SuperelementTable | None, boundary: str
-) -> Iterator[Inconsistency]:
-    """Yield the joints that a case cannot have.
-
-    Args:
-        joints: all joints of the case.
-        table: superelement of the case, if it has one.
-        boundary: reduction.boundary of the case.
-    """
-    if not joints:
-        return
-    if table is None:
-        yield Inconsistency("joint", "not allowed without bladed_disk.superelement")
-        return
-    if boundary != "massless":
-        yield Inconsistency("reduction.boundary", '"massless" with [[joint]]')
-    if table.copies < 2:
-        expected = "at least 2 blades with [[joint]], as a single one would touch itself"
-        yield Inconsistency("bladed_disk.superelement.copies", expected)
+def joint_faults(joints: tuple[Joint, ...], table: SuperelementTable) -> Iterator[Inconsistency]:
+    """Yield names, nodes and joints of a superelement that do not fit together."""
     names: dict[str, int] = {}
     taken: dict[int, int] = {}
     for number, joint in enumerate(joints):

@@ -15,6 +15,7 @@ import scipy.linalg as la
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.shaft_line.line import LineModel
 from bladewhirl.models.shaft_line.whirl import LineModes, conserved
+from bladewhirl.models.structure.rotating import Rotating
 
 STRETCH = np.array([[1.0, -1.0], [-1.0, 1.0]])
 
@@ -42,7 +43,8 @@ def axial_modes(line: LineModel, omega: float) -> AxialModes:
     lines."""
     if all(wheel.axial is None for wheel in line.wheels):
         return AxialModes(eigenvalue=np.zeros(0, np.complex128), direction=())
-    mass, drag, stiffness, along, about, _ = axial_matrices(line, omega)
+    structure, along, about, _ = axial_line(line, omega)
+    mass, stiffness, drag = structure.mass, structure.stiffness, structure.known("damping")
     one = np.eye(len(mass))
     first = np.block(
         [[0.0 * one, one], [-la.solve(mass, stiffness), -la.solve(mass, drag)]],
@@ -69,20 +71,18 @@ def with_axial(line: LineModel, modes: LineModes, count: int | None) -> "SortedM
     return SortedModes(eigenvalue=values[order], direction=names[order], row=order)
 
 
-class AxialMatrices(NamedTuple):
-    """Matrices along and about the axis without what is held, (m, m) each."""
+class AxialLine(NamedTuple):
+    """A line along and about the axis without what is held."""
 
-    mass: FloatArray
-    damping: FloatArray
-    stiffness: FloatArray
+    structure: Rotating[FloatArray]  #: its matrices at a speed, (m, m)
     along: IntArray  #: numbers of the displacements
     about: IntArray  #: numbers of the rotations
     wheels: tuple[FloatArray, ...]
     """Coordinates of each wheel of six unknowns as rows on the unknowns."""
 
 
-def axial_matrices(line: LineModel, omega: float) -> AxialMatrices:
-    """Return the matrices of a line with wheels of six unknowns at a speed [rad/s]."""
+def axial_line(line: LineModel, omega: float) -> AxialLine:
+    """Return a line with wheels of six unknowns along and about its axis at a speed [rad/s]."""
     shaft, table, count = line.shaft, line.table, len(line.shaft.node)
     waves = [(wheel.node, wheel.axial) for wheel in line.wheels if wheel.axial is not None]
     size = 2 * count + sum(wave.size - 2 for _, wave in waves)
@@ -125,10 +125,10 @@ def axial_matrices(line: LineModel, omega: float) -> AxialMatrices:
         stiffness[spring, spring] += table.axial.stiffness
     free = np.delete(np.arange(size), held)
     chosen = np.ix_(free, free)
-    return AxialMatrices(
-        mass=mass[chosen],
-        damping=drag[chosen],
-        stiffness=stiffness[chosen],
+    return AxialLine(
+        structure=Rotating(
+            mass=mass[chosen], damping=drag[chosen], stiffness=stiffness[chosen], speed=omega
+        ),
         along=np.flatnonzero(free < count),
         about=np.flatnonzero((free >= count) & (free < 2 * count)),
         wheels=tuple(np.eye(size)[own][:, free] for own in coordinates),

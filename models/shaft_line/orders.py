@@ -12,7 +12,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
-from bladewhirl.models.shaft_line.axial import axial_matrices
+from bladewhirl.models.shaft_line.axial import axial_line
 from bladewhirl.models.shaft_line.hub_waves import HubWave
 from bladewhirl.models.shaft_line.line import LineModel
 from bladewhirl.models.shaft_line.whirl import driven, solved
@@ -53,10 +53,10 @@ def order_motion(line: LineModel, omega: float, load: EngineOrder, order: int) -
         axial = wheel.axial
         assert axial is not None
         rows, force = _forces(line, axial, load, order, sign=1)
-        parts = axial_matrices(line, omega)
+        structure, _, _, wheels = axial_line(line, omega)
         rate = order * omega
-        dynamic = parts.stiffness + 1j * rate * parts.damping - rate**2 * parts.mass
-        own = parts.wheels[0] @ solved(dynamic, parts.wheels[0].T @ force)
+        dynamic = structure.stiffness + 1j * rate * structure.known("damping")
+        own = wheels[0] @ solved(dynamic - rate**2 * structure.mass, wheels[0].T @ force)
         tip = np.stack([rows @ own, np.zeros(2)])
         return OrderMotion(
             tip=tip, forward=still, backward=still, axial=complex(own[0]), torsion=complex(own[1])

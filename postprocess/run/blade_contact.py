@@ -18,6 +18,7 @@ from bladewhirl.postprocess.fields.enlarged import rounded_up
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.lost_blades import masked
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.axes import blade_axis, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
@@ -93,7 +94,7 @@ def contact_maps(result: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
             "share": (plane, _share(total("contact_steps", np.maximum), length, dataset), "1"),
         },
         {"time": edges[1:], "edge": edges, "blade": np.arange(gap.shape[1])},
-        to=" to metal" if "coating_strain" in result else "",
+        to=" to metal" if has(result, "coating") else "",
     )
 
 
