@@ -22,6 +22,8 @@ from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
     COLOURS,
     FULL_WIDTH,
+    drawn_width,
+    is_narrow,
     new_figure,
     styled,
 )
@@ -38,6 +40,7 @@ PURE = 0.9995
 """If the purity of a mode exceeds this value, only its nodal diameter is printed. The purity is the
 share of the kinetic energy of the mode in its nodal diameter."""
 
+LINE = 0.0045  #: height of a line of text at a panel [m]
 MIXED = 0.5  #: a mode with a lower purity is named "mixed k" instead of by its nodal diameter
 OUTSIDE = 1.1  #: radius at which crests are marked, relative to the largest drawn radius
 #: half the width of a picture divided by the largest distance of a drawn point from its middle
@@ -63,7 +66,6 @@ class Outline:
 
     columns = 6  #: largest number of panels side by side
     projection = "rectilinear"  #: kind of the panels
-    text_below = 0.022  #: height of the text below a panel [m]
 
     def __init__(
         self, rest: FloatArray, rows: FloatArray, shift: FloatArray, radius: float
@@ -162,11 +164,11 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     """
     prefix = "rotor" if body == "bladed-disk" else "casing"
     modes, shape = data.sizes[f"{prefix}_mode"], shape_of(data, body)
-    rows = -(-modes // shape.columns)
+    width, lines = drawn_width(FULL_WIDTH), 4 + 2 * (f"{prefix}_direction" in data)
+    rows = -(-modes // max(2, round(shape.columns * width / FULL_WIDTH)))
     columns = -(-modes // rows)
-    figure = new_figure(
-        width=FULL_WIDTH, height=0.022 + rows * (0.85 * FULL_WIDTH / columns + shape.text_below)
-    )
+    height = 0.022 + rows * (0.85 * width / columns + LINE * lines)
+    figure = new_figure(width=width, height=height)
     panels = [
         figure.add_subplot(rows, columns, mode + 1, projection=shape.projection)
         for mode in range(modes)
@@ -211,7 +213,9 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     prefix = "rotor" if body == "bladed-disk" else "casing"
     coordinates = data[f"{prefix}_displacement"].values
     figure = new_figure(width=FULL_WIDTH, height=0.062)
-    panels = figure.subplots(1, INSTANTS)
+    rows = 2 if is_narrow(figure) else 1
+    figure.set_figheight(rows * figure.get_figheight())
+    panels = figure.subplots(rows, INSTANTS // rows, squeeze=False).ravel()
     shape = shape_of(data, body)
     k = int(data[f"{prefix}_nodal_diameter"].values[0])
     crests = "tips furthest ahead, ↺" if body == "bladed-disk" else "wall furthest out"

@@ -8,7 +8,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    rows_of_panels,
+    styled,
+)
 from bladewhirl.postprocess.plotting.titles import set_title
 
 SHOWN = 4  #: largest number of nodal diameters drawn in colour: those with the largest peaks
@@ -99,7 +105,7 @@ def plot_response(data: xr.Dataset) -> Figure:
     drawn = drawn_amplitudes(data)
     orders = drawn["order"].values
     figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * len(orders))
-    panels = figure.subplots(len(orders), 2, sharex=True, squeeze=False)
+    panels = rows_of_panels(figure, len(orders), [1.0, 1.0], sharex=True)
     unit, scale = handy_unit(float(drawn["amplitude"].max()), "m")
     for row, order in zip(panels, orders, strict=True):
         own = drawn.sel(order=order).dropna("speed")

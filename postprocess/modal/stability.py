@@ -20,7 +20,7 @@ from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.plotting import axes as panels
 from bladewhirl.postprocess.plotting.legends import Group, complete, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, is_narrow, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
@@ -125,7 +125,8 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
             entries.append((lines[0], f"{kind} mode"))
     growing = kinds["divergent"]
     above = np.abs(frequency[growing if many and growing.any() else ...]).max()
-    first = speed[0] - (0.0 if many else NAMED * (speed[-1] - speed[0]))
+    room = NAMED * (4.5 if is_narrow(figure) else 1.0)
+    first = speed[0] - (0.0 if many else room * (speed[-1] - speed[0]))
     lower.set(ylim=(0.0, (1.5 if many else 1.05) * above), xlim=(first, speed[-1]))
     panels.speed_axis(rows[0], reference / (2.0 * np.pi))
     if not neutral:

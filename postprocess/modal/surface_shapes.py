@@ -33,7 +33,6 @@ class SurfaceShape:
 
     columns = 3  #: largest number of panels side by side
     projection = "3d"  #: kind of the panels
-    text_below = 0.0  #: height of the text below a panel [m]
 
     def __init__(self, points: Points) -> None:
         self.rest = points.rest

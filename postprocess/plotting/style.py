@@ -84,6 +84,7 @@ STYLE: Mapping[str, Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.prop_cycle": cycler(color=LINES),
+    "axes.formatter.useoffset": False,
     "grid.linewidth": 0.4,
     "grid.color": "#DDDDDD",
     "xtick.major.width": 0.6,
@@ -124,11 +125,16 @@ def at_width(width: float | None) -> Iterator[None]:
         _width.reset(token)
 
 
+def drawn_width(width: float) -> float:
+    """Return a width [m], or the one that `at_width` gives."""
+    return _width.get() or width
+
+
 @styled
 def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
     """Return an empty figure in constrained layout, with a width [m], unless `at_width` gives
     another one, and a height [m]."""
-    figure = Figure(figsize=((_width.get() or width) / INCH, height / INCH), layout="constrained")
+    figure = Figure(figsize=(drawn_width(width) / INCH, height / INCH), layout="constrained")
     FigureCanvasAgg(figure)  # measures text without starting a picture for each text
     return figure
 

@@ -75,7 +75,7 @@ class PlainLog(LogFormatter):
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the text of a tick; an empty one for ticks without a number."""
-        return f"{x:.4g}" if super().__call__(x, pos) else ""
+        return f"{x:.5g}" if super().__call__(x, pos) else ""
 
 
 def plain_exponents(figure: Figure) -> None:

@@ -318,6 +318,7 @@ def plot_sensor_orders(orders: xr.Dataset) -> Figure:
         levels = float(amplitude.max()) or 1.0, DECADES
         draw_decades(axes, time, order, amplitude, levels, label=axes.get_ylabel())
         axes.set_ylabel("engine order")
+    plain_exponents(figure)
     time_axis(*panels)
     return figure
 
@@ -329,6 +330,7 @@ def plot_all_blades(blades: xr.Dataset) -> Figure:
     names = [str(name) for name, moved in blades.items() if f"{name}_low" in blades]
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(names))
     alone, count = blades.sizes["blade"] == 1, blades.sizes["blade"]
+    figure.set_layout_engine("constrained", wspace=0.08)
     rows = rows_of_panels(figure, len(names), [1.0] if alone else [3.0, 1.0])
     for (over_turns, *others), name in zip(rows, names, strict=True):
         unit, scale = shown_unit(blades[name])

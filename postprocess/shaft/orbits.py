@@ -130,8 +130,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     radius_unit, radius_scale = handy_unit(float(late["radius"].max()), "m")
     below = panels["radius"]
     below.plot(late["time"], radius_scale * late["radius"], color=COLOURS["rotor"])
-    below.set_ylabel(f"radius [{radius_unit}]")
-    below.ticklabel_format(axis="y", useOffset=False)
+    below.set(ylabel=f"radius [{radius_unit}]", ylim=(0.0, None))
     below.locator_params(axis="y", nbins=4)
     time_axis(below)
     if not tiny:

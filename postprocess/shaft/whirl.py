@@ -70,7 +70,7 @@ class Whirl:
     def text(self) -> str:
         """Direction and frequency with `CERTAINTY` standard errors, or that the shaft rests."""
         if self.rests:
-            return "none, at rest"
+            return "at rest"
         if self.frequency is None:
             return "no single frequency"
         wide = CERTAINTY * self.error / (2 * np.pi)

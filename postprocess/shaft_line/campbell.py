@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import COLOURS, COLUMN_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft_line.shapes import WHIRL
 
@@ -51,5 +52,5 @@ def plot_line_campbell(diagram: xr.Dataset, critical: xr.Dataset) -> Figure:
     axes.set_ylim(0.0, top)
     axes.set_xlabel("speed [rpm]")
     axes.set_ylabel("frequency [Hz]")
-    figure.legend(loc="outside lower center", ncols=3)
+    complete(figure, diagram.assign_attrs(case=diagram.attrs["title"]), "Campbell diagram")
     return figure

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.style import COLUMN_WIDTH, LINES, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import set_title
 
 
 @styled
@@ -26,6 +27,7 @@ def plot_line_orders(data: xr.Dataset) -> Figure:
             )
         axes.set_yscale("log")
         axes.set_ylabel(f"{name} [{unit}]")
-    panels[0].legend(fontsize="small")
+    panels[0].legend()
     panels[1].set_xlabel("speed [rpm]")
+    set_title(figure, str(data.attrs["title"]), "Response to engine orders")
     return figure

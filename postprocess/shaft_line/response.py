@@ -6,7 +6,9 @@ from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLUMN_WIDTH, LINES, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import set_title
 
 DECADES = 1e4  #: largest ratio of drawn amplitudes
 
@@ -38,9 +40,10 @@ def plot_line_response(data: xr.Dataset) -> Figure:
     for axes, drawn in ((panels[0], amplitude * scale), (panels[2], data["bearing_force"] * by)):
         axes.set_yscale("log")
         axes.set_ylim(bottom=max(float(np.min(drawn)), float(np.max(drawn)) / DECADES))
-        axes.legend(fontsize="small")
     panels[0].set_ylabel(f"amplitude [{unit}]")
     panels[1].set_ylabel("phase of x [°]")
     panels[2].set_ylabel(f"force [{of_force}]")
     panels[2].set_xlabel("speed [rpm]")
+    set_title(figure, str(data.attrs["title"]), "Response to unbalance")
+    legends_below(figure, *(Group(entries_of(axes)) for axes in (panels[0], panels[2])))
     return figure

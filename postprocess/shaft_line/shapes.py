@@ -10,7 +10,15 @@ from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    NARROW,
+    drawn_width,
+    new_figure,
+    styled,
+)
+from bladewhirl.postprocess.plotting.titles import set_title
 
 WHIRL: Mapping[str, str] = {
     "forward": COLOURS["k = 1"],
@@ -34,17 +42,19 @@ def plot_line_modes(data: xr.Dataset) -> Figure:
     line is turned about its axis so that its largest displacement points up.
     """
     count = data.sizes["mode"]
-    rows = -(-count // 2)
+    columns = 1 if drawn_width(FULL_WIDTH) < NARROW else 2
+    rows = -(-count // columns)
     figure = new_figure(width=FULL_WIDTH, height=0.012 + 0.032 * rows)
-    panels = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False).ravel()
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     for axes, number in zip(panels, range(count), strict=False):
         _draw_mode(axes, data.isel(mode=number))
     for axes in panels[count:]:
         axes.set_visible(False)
-    for axes in panels[max(0, count - 2) : count]:
+    for axes in panels[max(0, count - columns) : count]:
         axes.set_xlabel("position along the shaft [m]")
         axes.tick_params(labelbottom=True)
     figure.supylabel("displacement / largest", fontsize="medium")
+    set_title(figure, str(data.attrs["title"]), f"Modes at {data.attrs['speed_rpm']:.6g} rpm")
     return figure
 
 

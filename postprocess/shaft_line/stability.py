@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.plotting.legends import complete
 from bladewhirl.postprocess.plotting.style import COLOURS, COLUMN_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft_line.shapes import WHIRL
 
@@ -38,5 +39,5 @@ def plot_line_stability(data: xr.Dataset) -> Figure:
     above.set_ylabel("largest growth rate [1/s]")
     below.set_ylabel("frequency [Hz]")
     below.set_xlabel("speed [rpm]")
-    figure.legend(loc="outside lower center", ncols=3)
+    complete(figure, data.assign_attrs(case=data.attrs["title"]), "Growth rate over the speed")
     return figure

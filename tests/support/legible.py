@@ -29,7 +29,7 @@ def seen_texts(figure: Figure) -> list[tuple[str, Bbox]]:
     found = []
     for text in figure.findobj(Text):
         assert isinstance(text, Text)
-        box = text.get_window_extent()
+        box = Text.get_window_extent(text)  # without the leader of a label
         shown = text.get_visible() and text.get_text().strip() and id(text) not in outside
         if shown and min(box.width, box.height) > EDGE:
             found.append((text.get_text(), box))

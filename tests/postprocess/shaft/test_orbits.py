@@ -72,7 +72,7 @@ class TestPlotOrbit:
         result = synthetic.synthetic_result(shaft_radius=0.0, records=2)
         result["clearance"] = 0.0 * result["clearance"]
         for axes in plot_orbit(shaft_orbit(result)).axes[:2]:
-            assert "none, at rest" in axes.get_title()
+            assert "at rest" in axes.get_title()
             assert axes.get_xlim() == (-1.0, 1.0)
 
 
