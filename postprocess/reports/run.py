@@ -237,11 +237,10 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])
     phases = contact_phase(late, late_orbit)
     in_contact, lead = bool(phases["impulse"].any()), float(phases.attrs["lead"])
-    angle = (
-        [f"shaft leads by {round(math.degrees(lead)):d}°"]
-        if in_contact and not math.isnan(lead)
-        else []
-    )
+    angle = []
+    if in_contact and not math.isnan(lead):
+        ahead = round(math.degrees(lead))
+        angle.append(f"shaft {'leads' if ahead >= 0 else 'lags'} by {abs(ahead)}°")
     whirls = {frame: whirl(late_orbit, frame).text.partition(", ") for frame in FRAMES}
     return [
         *ran,

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import BoolArray
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
@@ -37,8 +37,8 @@ LEAST_CERTAIN = 10.0  #: number of standard errors that the rate of a whirl must
 LARGEST_SHARE = 0.5
 SPANS = 10  #: number of spans whose rates give the standard error of the rate
 STILL = 0.05
-"""A shaft rests in a frame if its angle changes by at most this [rad], and its radius by at most
-this fraction."""
+"""A shaft rests in a frame if the root mean square of its motion about the mean position is at most
+this fraction of the mean displacement."""
 DOUBTFUL = 0.5 * np.pi
 """If the angle changes by more than this between two records [rad], it is uncertain on which side
 the path has passed the centre."""
@@ -104,16 +104,25 @@ def whirls(orbit: xr.Dataset) -> dict[Frame, Whirl]:
         still = Whirl(rate=float("nan"), error=float("nan"), goes_round=False, rests=True)
         return dict.fromkeys(FRAMES, still)
     angle, doubtful = phase(orbit, "rotating")
-    lost = 2 * np.pi * np.count_nonzero(doubtful)
-    radius = orbit.variables["radius"].values
-    steady = bool(np.ptp(radius) <= STILL * radius.mean())
+    lost, turned = 2 * np.pi * np.count_nonzero(doubtful), _turned(orbit)
+    place = phasor(orbit, "rotating")
     lines = cache(partial(strongest_lines, orbit, "rotating"))  # of both frames
     return {
-        "rotating": _whirl(time, angle, lost, 0.0, lines, steady=steady),
+        "rotating": _whirl(time, angle, lost, 0.0, lines, rests=_rests(place)),
         "static": _whirl(
-            time, angle + _turned(orbit), lost, rotation.mean_speed(orbit), lines, steady=steady
+            time,
+            angle + turned,
+            lost,
+            rotation.mean_speed(orbit),
+            lines,
+            rests=_rests(place * np.exp(1j * turned)),
         ),
     }
+
+
+def _rests(place: ComplexArray) -> bool:
+    """Return whether a path rests, see `STILL`."""
+    return bool(place.std() <= STILL * abs(place.mean()))
 
 
 def _whirl(
@@ -123,7 +132,7 @@ def _whirl(
     speed: float,
     lines: Callable[[], tuple[SpectralLine, ...]],
     *,
-    steady: bool,
+    rests: bool,
 ) -> Whirl:
     """Return the net turns of an unwrapped angle in a frame.
 
@@ -133,14 +142,14 @@ def _whirl(
         lost: angle of the turns that may be missed between records [rad].
         speed: speed of the rotating axes in this frame [rad/s].
         lines: function that returns the spectral lines in rotating axes.
-        steady: whether the radius is constant.
+        rests: whether the position is constant in this frame.
     """
     rate, error = _slope(time, angle), _slope_error(time, angle)
     turned = abs(rate) * np.ptp(time)
     return Whirl(
         rate=rate,
         error=error,
-        rests=steady and bool(np.ptp(angle) <= STILL),
+        rests=rests,
         goes_round=bool(
             turned >= LEAST_TURN * 2 * np.pi
             and turned > np.ptp(angle - rate * time) + lost

@@ -73,6 +73,7 @@ def test_an_orbit_beside_the_centre_has_no_rate_but_its_ripple_has(speed: float)
     size, about = ripple(orbit, "rotating")
     assert size == pytest.approx(0.1 * RADIUS, rel=1e-3)
     assert whirl(about, "rotating").frequency == pytest.approx(27.0, rel=1e-6)
+    assert whirl(orbit_of({0.0: RADIUS, 27.0: 0.03 * RADIUS}, speed), "rotating").rests
 
 
 def test_no_rate_of_equal_circles_or_of_a_line_through_the_centre() -> None:
