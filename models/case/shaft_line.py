@@ -278,9 +278,6 @@ USED = ("title", "material", "shaft_line", "gravity", "march")
 """Tables of a case with a shaft line, and with a wheel of [bladed_disk] only the superelement."""
 
 
-OF_BEAMS = ("bladed_disk", "sketch")  #: tables of a wheel of beams
-
-
 def beside_line(case: Table) -> list[str]:
     """Return the tables and keys that have no effect in a case with a shaft line; excitations of
     engine order have one with a wheel."""
@@ -291,24 +288,18 @@ def beside_line(case: Table) -> list[str]:
     }
     if "shaft_line" not in given:
         return []
-    used = dict[str, list[str]]()
+    used, disk = set(USED), dict[str, Any]()
     if given["shaft_line"].wheel is not None:
-        if case.superelement is None:  # a wheel of beams
-            given = {name: value for name, value in given.items() if name not in OF_BEAMS}
-        else:
-            used["bladed_disk"] = ["superelement"]
+        used |= {"bladed_disk", "sketch"}
         loads = given.get("excitation", ())
         if all(one.acts_on == "blades" for one in (loads if isinstance(loads, tuple) else [loads])):
-            given.pop("excitation", None)
-    parts = {name: given[name].model_dump(exclude_defaults=True) for name in used if name in given}
+            used.add("excitation")
+        if "bladed_disk" in given:
+            disk = given["bladed_disk"].model_dump(exclude_defaults=True)
+    beside = [f"bladed_disk.{name}" for name in disk if name != "superelement"]
     return [
-        *(name for name in given if name not in (*USED, *used)),
-        *(
-            f"{table}.{name}"
-            for table, part in parts.items()
-            for name in part
-            if name not in used[table]
-        ),
+        *(name for name in given if name not in used),
+        *(beside if "superelement" in disk else []),
     ]
 
 
