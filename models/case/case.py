@@ -20,6 +20,7 @@ from bladewhirl.models.case.tables import Tables
 from bladewhirl.models.inputs.errors import CaseError, Fault, shown
 from bladewhirl.models.inputs.rules import Inconsistency, broken
 from bladewhirl.models.inputs.table import path_of, value_at
+from bladewhirl.models.structure.rotating import Effects
 
 
 class Case(Tables):
@@ -68,6 +69,11 @@ class Case(Tables):
     def has_wheel(self) -> bool:
         """Whether the case has a table with the wheel of a shaft line."""
         return not self.model_fields_set.isdisjoint({"bladed_disk", "sketch"})
+
+    @property
+    def effects(self) -> Effects:
+        """Effects of the rotation on the bladed disk; on a shaft line, where it tilts, all."""
+        return self.rotation.effects if self.shaft_line is None else "full"
 
     @property
     def without_effect(self) -> list[str]:

@@ -124,7 +124,7 @@ def case_hints(case: Case) -> tuple[str, ...]:
 def stiffness_hints(case: Case) -> Iterator[str]:
     """Yield a warning if the stiffness of a superelement is not that at the speed of the case."""
     table, speed = case.bladed_disk.superelement, case.march.speed
-    if table is None or case.rotation.effects != "none" or not speed.value:
+    if table is None or case.effects != "none" or not speed.value:
         return
     own = table.part.speed
     if table.part.stiffness_speed is not None:

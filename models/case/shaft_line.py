@@ -157,7 +157,7 @@ class AxialSpring(Table):
 class ShaftLine(Table):
     """A flexible shaft along z with rigid disks, bearings, supports and unbalances, in place of
     [shaft], with the wheel of [bladed_disk] or without. It has modes, critical speeds, a Campbell
-    diagram, the response to unbalances, sag and, without a wheel, a march in time."""
+    diagram, the response to unbalances, sag and a march in time, in which the wheel can rub."""
 
     segments: Annotated[
         tuple[Segment, ...],
@@ -275,7 +275,19 @@ class ShaftLine(Table):
 
 
 USED = ("title", "material", "shaft_line", "gravity", "march")
-"""Tables of a case with a shaft line, and with a wheel of [bladed_disk] only the superelement."""
+"""Tables of a case with a shaft line."""
+
+WITH_WHEEL = (
+    *USED,
+    "bladed_disk",
+    "casing",
+    "contact",
+    "damping",
+    "reduction",
+    "blade_loss",
+    "sensor",
+)
+"""Tables of a case with a shaft line and the wheel of [bladed_disk]."""
 
 
 def beside_line(case: Table) -> list[str]:
@@ -290,7 +302,7 @@ def beside_line(case: Table) -> list[str]:
         return []
     used, disk = set(USED), dict[str, Any]()
     if given["shaft_line"].wheel is not None:
-        used |= {"bladed_disk", "sketch"}
+        used |= {*WITH_WHEEL, "sketch"}
         loads = given.get("excitation", ())
         if all(one.acts_on == "blades" for one in (loads if isinstance(loads, tuple) else [loads])):
             used.add("excitation")

@@ -151,10 +151,8 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
     march, casing = tables.get("march", {}), tables.get("casing", {})
     if not isinstance(file, str | os.PathLike) or "\0" in os.fspath(file):
         return dict(tables)
-    if tables.get("shaft_line") is not None:  # it has neither casing nor march
-        return dict(tables)
     own: dict[str, Any] = {}
-    if isinstance(march, Mapping):
+    if isinstance(march, Mapping) and tables.get("shaft_line") is None:
         varies = march.keys() & {"speed_table", "run_up"}
         usual = {} if varies else {"speed": SPEED}
         stands = value_at(march, ("speed",)) in (0, "0", "0 rpm", "0 Hz", "0 rad/s")
@@ -174,9 +172,10 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
 def own_defaults(tables: Mapping[str, Any]) -> Mapping[str, set[str]]:
     """Return the keys of a case whose defaults `with_defaults` replaces, by the name of the table;
     none without a superelement."""
-    if value_at(tables, path_of(SOURCE)) is None or tables.get("shaft_line") is not None:
+    if value_at(tables, path_of(SOURCE)) is None:
         return {}
-    return {"march": {"speed", "time_step", "duration"}, "casing": {"clearance"}}
+    march = {"speed", "time_step", "duration"} if tables.get("shaft_line") is None else set[str]()
+    return {"march": march, "casing": {"clearance"}}
 
 
 def stamp_of(file: str) -> tuple[int, int]:

@@ -154,9 +154,6 @@ class StageArrays:
         absent()
     )  #: position of each node of a shaft line [m], (shaft nodes,)
     shaft_radius: FloatArray = absent()  #: its outer radius there [m], (shaft nodes,)
-    shaft_shape: FloatArray = absent()
-    """Deflection and slope of a shaft line in a plane [kg^-1/2], (shaft nodes, 2, modes of a
-    plane)."""
     bearing_name: tuple[str, ...] = ()  #: name of each bearing of a shaft line, (bearings,)
     bearing_node: IntArray = absent()  #: its node of the shaft, (bearings,)
     joint_name: tuple[str, ...] = ()  #: name of the joint of each pair of nodes, (pairs,)

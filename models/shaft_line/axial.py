@@ -83,10 +83,42 @@ class AxialLine(NamedTuple):
 
 def axial_line(line: LineModel, omega: float) -> AxialLine:
     """Return a line with wheels of six unknowns along and about its axis at a speed [rad/s]."""
-    shaft, table, count = line.shaft, line.table, len(line.shaft.node)
+    table, count = line.table, len(line.shaft.node)
     waves = [(wheel.node, wheel.axial) for wheel in line.wheels if wheel.axial is not None]
     size = 2 * count + sum(wave.size - 2 for _, wave in waves)
     mass, drag, stiffness = np.zeros((3, size, size))
+    mass[: 2 * count, : 2 * count], stiffness[: 2 * count, : 2 * count] = rods(line)
+    drag += table.loss_time * stiffness
+    first, coordinates = 2 * count, []
+    for node, wave in waves:
+        amplitudes = np.arange(first, first + wave.size - 2)
+        own = np.concatenate([[node, count + node], amplitudes])
+        rows = np.ix_(own, own)
+        mass[rows] += wave.mass.real
+        drag[rows] += wave.drag(omega).real
+        stiffness[rows] += wave.stiffness_at(omega).real
+        first += wave.size - 2
+        coordinates.append(own)
+    if table.axial is not None:
+        spring = line.node(table.axial.position)
+        stiffness[spring, spring] += table.axial.stiffness
+    free = np.delete(np.arange(size), held_along(line))
+    chosen = np.ix_(free, free)
+    return AxialLine(
+        structure=Rotating(
+            mass=mass[chosen], damping=drag[chosen], stiffness=stiffness[chosen], speed=omega
+        ),
+        along=np.flatnonzero(free < count),
+        about=np.flatnonzero((free >= count) & (free < 2 * count)),
+        wheels=tuple(np.eye(size)[own][:, free] for own in coordinates),
+    )
+
+
+def rods(line: LineModel) -> tuple[FloatArray, FloatArray]:
+    """Return mass and stiffness of the shaft with its disks for the displacements of the nodes
+    along the axis, then their rotations about it, (2 nodes, 2 nodes) each."""
+    shaft, count = line.shaft, len(line.shaft.node)
+    mass, stiffness = np.zeros((2, 2 * count, 2 * count))
     area = np.pi / 4.0 * (shaft.outer**2 - shaft.inner[:, None] ** 2)
     polar = np.pi / 32.0 * (shaft.outer**4 - shaft.inner[:, None] ** 4)
     parts = (shaft.young_modulus, area), (shaft.torsion_modulus, polar)
@@ -101,35 +133,16 @@ def axial_line(line: LineModel, omega: float) -> AxialLine:
                 [[3.0 * left + right, left + right], [left + right, left + 3.0 * right]]
             )
             mass[both] += shaft.density[element] * length / 12.0 * spread
-    drag += table.loss_time * stiffness
-    for disk in table.disks:
+    for disk in line.table.disks:
         node = line.node(disk.position)
         mass[node, node] += disk.mass
         mass[count + node, count + node] += disk.polar_inertia
-    first, coordinates = 2 * count, []
-    for node, wave in waves:
-        amplitudes = np.arange(first, first + wave.size - 2)
-        own = np.concatenate([[node, count + node], amplitudes])
-        rows = np.ix_(own, own)
-        mass[rows] += wave.mass.real
-        drag[rows] += wave.drag(omega).real
-        stiffness[rows] += wave.stiffness_at(omega).real
-        first += wave.size - 2
-        coordinates.append(own)
+    return mass, stiffness
+
+
+def held_along(line: LineModel) -> list[int]:
+    """Return the unknowns of `rods` that the drive holds: the rotation about the axis and, without
+    an axial spring, the displacement along it."""
+    table = line.table
     drive = line.node(table.start if table.drive_position is None else table.drive_position)
-    held = [count + drive]
-    if table.axial is None:
-        held.append(drive)
-    else:
-        spring = line.node(table.axial.position)
-        stiffness[spring, spring] += table.axial.stiffness
-    free = np.delete(np.arange(size), held)
-    chosen = np.ix_(free, free)
-    return AxialLine(
-        structure=Rotating(
-            mass=mass[chosen], damping=drag[chosen], stiffness=stiffness[chosen], speed=omega
-        ),
-        along=np.flatnonzero(free < count),
-        about=np.flatnonzero((free >= count) & (free < 2 * count)),
-        wheels=tuple(np.eye(size)[own][:, free] for own in coordinates),
-    )
+    return [len(line.shaft.node) + drive] + [drive] * (table.axial is None)

@@ -56,6 +56,7 @@ class LineModel:
     """Displacement of the shaft relative to ground or support at each bearing, as rows on the
     unknowns, (bearings, n)."""
 
+    bare_mass: FloatArray  #: mass of the shaft with its disks in a plane, (2 nodes, 2 nodes)
     wheels: tuple[WheelOnLine, ...] = ()
 
     @property
@@ -251,6 +252,7 @@ def _model(case: Case, highest: float) -> LineModel:
         _add(springs, bearing.stiffness, row)
         _add(springs, bearing.tilt_stiffness, tilt)
         _add(dampers, bearing.damping, row)
+    bare_mass = mass[*square].copy()
     for wheel in wheels:
         own = np.zeros((size, size), np.complex128)
         own[np.ix_(wheel.unknowns, wheel.unknowns)] = wheel.whirling.mass
@@ -259,6 +261,7 @@ def _model(case: Case, highest: float) -> LineModel:
         case=case,
         shaft=shaft,
         mass=mass,
+        bare_mass=bare_mass,
         wheels=wheels,
         polar=polar,
         shaft_stiffness=stiffness,

@@ -19,6 +19,9 @@ class ShaftLineMotion:
     nodes: ComplexArray
     """Deflection and slope of each node for unit modal coordinates, rotating axes [kg^-1/2],
     (nodes, 2, rotor modes)."""
+    along: FloatArray
+    """Displacement along the axis and rotation about it of each node [kg^-1/2], (nodes, 2, rotor
+    modes)."""
     stiffness: FloatArray
     """Stiffness of the shaft without rotation [rad2/s2], (rotor modes, rotor modes)."""
     bearings: int  #: number of bearings of the case, which precede tilt springs and supports
@@ -32,8 +35,8 @@ class ShaftLineMotion:
             rotor: modal displacements, (records, rotor modes).
         """
         moved, slope = np.moveaxis(self.nodes @ rotor.T, 0, 2) * np.exp(1j * angle)[:, None]
-        still = np.zeros_like(moved.real)
-        each = (moved.real, moved.imag, still, -slope.imag, slope.real, still)
+        along, about = np.moveaxis(self.along @ rotor.T, 0, 2)
+        each = (moved.real, moved.imag, along, -slope.imag, slope.real, about)
         return np.stack(each, axis=2)
 
 

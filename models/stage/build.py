@@ -23,6 +23,7 @@ from bladewhirl.models.stage.fused_support import with_fused_support
 from bladewhirl.models.stage.line import LineStage, build_line
 from bladewhirl.models.stage.loads import initial_state
 from bladewhirl.models.stage.modal_loads import Load
+from bladewhirl.models.stage.rotor_on_line import build_rotor_on_line
 from bladewhirl.models.stage.speed_change import with_speed_over_time
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.models.stage.wall import WallClosure
@@ -48,8 +49,10 @@ def build_stage(given: Buildable, *, blades: bool = False) -> Stage:
     """
     if not isinstance(given, Case):
         return given
-    if given.shaft_line is not None:
+    if given.shaft_line is not None and given.shaft_line.wheel is None:
         return build_line(given)
+    if given.shaft_line is not None:
+        return build_rotor_on_line(given)
     if given.bladed_disk.superelement is None:
         return build_beams(given)
     return build_matrices(given, blades=blades)
@@ -101,7 +104,8 @@ def steady_problem(stage: Stage) -> ContactProblem:
 def _kept_loads(stage: Stage) -> tuple[Load, ...]:
     """Return the loads of a case on the modes of `Stage.kept`."""
     kept = stage.kept
-    return tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage))
+    loads = (*excitation_loads(stage), *stage.own_loads)
+    return tuple(load.take(kept.rotor, kept.casing) for load in loads)
 
 
 def _steady_problem(stage: Stage, loads: tuple[Load, ...]) -> ContactProblem:
@@ -116,8 +120,9 @@ def _steady_problem(stage: Stage, loads: tuple[Load, ...]) -> ContactProblem:
         tip_rotation=case.contact.tip_rotation,
         displacement_limit=stage.displacement_limit,
         loads=loads,
-        start=initial_state(stage).take(kept.rotor, kept.casing),
+        start=(stage.start or initial_state(stage)).take(kept.rotor, kept.casing),
         springs=kept.springs,
+        bearings=stage.bearings,
         closure=WallClosure.around(case.casing.closure, casing, wall_share(stage.slope)),
         coating=stage.coating,
         foreshortening=stage.foreshortening,
@@ -169,7 +174,7 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
     case, step = stage.case, stage.case.march.time_step
     with numbers_within_reach(case):
         bodies = stage.bodies
-        limit = critical_time_step(*bodies, stage.kept.springs)
+        limit = critical_time_step(*bodies, stage.kept.springs, stage.bearings)
         alone = critical_time_step(*bodies, None)
     if limit <= step < alone:
         # The largest omega^2 is a convex function of the stiffness, so it is below its chord.

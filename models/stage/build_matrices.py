@@ -92,7 +92,7 @@ def build_matrices(
         key = f"reduction.{name}_interface_modes"
     reduced_at = partial(_reduced_at, case, part, factor, omega, blades, listed_at)
     try:
-        given, part, reduced = reduced_at(omega, others=_other_speeds(case, at_rest))
+        given, part, reduced = reduced_at(omega, others=other_speeds(case, at_rest))
     except SuperelementError as error:
         if at_rest is not None and isinstance(error, IndefiniteError):
             expected = "a speed at which the structure keeps its stiffness in spite of the rotation"
@@ -206,7 +206,7 @@ def _reduced_at(
     return part, held, consistent(held, kept, kept, root, slower)
 
 
-def _other_speeds(case: Case, at_rest: float | None) -> tuple[float, ...]:
+def other_speeds(case: Case, at_rest: float | None) -> tuple[float, ...]:
     """Return the lowest speed of a case whose speed varies, and one between it and the highest
     [rad/s]; none if the speed is constant, or if the rotation does not act on the structure.
 

@@ -117,8 +117,9 @@ class Matrices(Stage):
         return rotate(np.eye(2), -self.table.angle) @ self.reduced.centre
 
     @cached_property
-    def rotor(self) -> ReducedRotor:
-        case, reduced, centre = self.case, self.reduced, self.centre_rows
+    def without_dampers(self) -> ReducedRotor:
+        """The bladed disk without dampers at its centre."""
+        case, reduced = self.case, self.reduced
         compliance = reduced.compliance / self.factor[:, None, None]
         rotor = ReducedRotor.of_copies(
             frequency=np.sqrt(self.factor)[:, None] * reduced.frequency,
@@ -129,13 +130,18 @@ class Matrices(Stage):
             radius=self.part.contact_radius,
             recess=self.recess,
             tip_radius=self.case.tip_radius,
-            centre=centre,
+            centre=self.centre_rows,
             by_velocity=self.by_velocity(self.speed),
         )
-        if case.joint:
-            nodes = np.arange(self.part.contacts)
-            tips = self.tips if len(self.tips) < len(nodes) else nodes[:0]
-            rotor = replace(rotor, joined=np.setdiff1d(nodes, tips))
+        if not case.joint:
+            return rotor
+        nodes = np.arange(self.part.contacts)
+        tips = self.tips if len(self.tips) < len(nodes) else nodes[:0]
+        return replace(rotor, joined=np.setdiff1d(nodes, tips))
+
+    @cached_property
+    def rotor(self) -> ReducedRotor:
+        case, rotor, centre = self.case, self.without_dampers, self.centre_rows
         if not centre.any():
             return rotor
         static = case.shaft.damping_frame == "static"
@@ -462,7 +468,7 @@ class Matrices(Stage):
             ),
             "copy_stiffness": self.factor,
         }
-        if stress.steady is not None and self.case.rotation.effects != "none":
+        if stress.steady is not None and self.case.effects != "none":
             steady = self.speed**2 * stress.steady
             arrays["steady_stress"] = steady.reshape(points, COMPONENTS)
         for key in ("young_modulus", "poisson_ratio"):

@@ -91,7 +91,7 @@ def with_speed_over_time(stage: Stage, problem: ContactProblem) -> ContactProble
     course, drive = case.march.course(stage.reference_frequency), case.march.drive
     if course is None:
         return problem
-    if case.rotation.effects == "none":
+    if case.effects == "none":
         moving = replace(problem, change=SpeedChange(course=course))
         return moving if drive is None else with_drive(case, moving, stage.inertia)
     turning = stage.turning

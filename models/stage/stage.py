@@ -24,6 +24,7 @@ from bladewhirl.models.stage.cone import in_cone
 from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.foreshortening import Foreshortening
 from bladewhirl.models.stage.kept_modes import KeptModes
+from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring
 from bladewhirl.models.stage.varying_speed import ComplianceOverSpeeds
@@ -311,6 +312,16 @@ class Stage(Ring, ABC):
         [rad/s] and its purity, the share of this nodal diameter."""
         rate = self.rate(frequency)
         return {"nodal_diameter": nodal_diameter, "frequency": rate, "purity": purity}
+
+    @property
+    def own_loads(self) -> tuple[Load, ...]:
+        """Loads besides the excitations of the case, in all modes."""
+        return ()
+
+    @property
+    def start(self) -> Start | None:
+        """State at the start; None if `loads.initial_state` gives it."""
+        return None
 
     @property
     @abstractmethod

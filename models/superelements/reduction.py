@@ -71,6 +71,8 @@ LOWEST, SMALL = 60, 1e-12
 """Number of lowest modes from which the damping of a large structure follows; and the smallest
 mass of what they leave of the shapes, as a fraction of the largest."""
 
+LINE_ROWS = ("line_rows", "weight_rows")  #: rows of a `LineRotor`
+
 RIGID_SECTOR = Fault(
     expected="a sector without rigid modes and with a stiffness that is not indefinite"
 )
@@ -82,7 +84,7 @@ class ReducedSuperelement(Rotating[Matrix]):
     diagonal, with matrices (modes, modes) and loads (modes,)."""
 
     FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "root")
-    ROWS: ClassVar[tuple[str, ...]] = ("contact", "centre", "strains")
+    ROWS: ClassVar[tuple[str, ...]] = ("contact", "centre", "strains", *LINE_ROWS)
 
     contact: FloatArray
     """Radial, tangential and axial displacements of the contact nodes for unit modal coordinates
@@ -114,6 +116,11 @@ class ReducedSuperelement(Rotating[Matrix]):
     kept: int
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""
+    line_rows: FloatArray | None = None
+    """Displacements of the nodes of a shaft line for unit modal coordinates [kg^-1/2], (6 * nodes,
+    modes), see `LineRotor`."""
+    weight_rows: FloatArray | None = None
+    """Modal forces of a unit acceleration along x and along y [kg^1/2], (2, modes)."""
 
     @property
     def squares(self) -> FloatArray:
@@ -137,6 +144,7 @@ def massless(
     modes: int,
     root: "Root | None" = None,
     others: Sequence[Superelement] = (),
+    forces: FloatArray | None = None,
 ) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
@@ -147,6 +155,7 @@ def massless(
         others: the structure at other speeds; the lowest modes of the first one, and the static
             displacements by the loads of the rotation at all speeds are added, see
             `further_modes.further`.
+        forces: further forces, those of bearings, whose static displacements are added, (n, m).
 
     Raises:
         SuperelementError: `modes` is not below the number of coordinates, or is so large that a
@@ -154,6 +163,7 @@ def massless(
     """
     rows = part.contact_rows
     loads = load_columns(part, dense(rows).T)
+    own, loads = loads.shape[1], _with(loads, forces)
     squares, shapes, moved = modes_and_static(part, modes, loads)
     check_count(len(squares), modes)
     shapes = turned_to_diameters(squares, shapes, rows @ shapes, part.contact_angle)
@@ -161,9 +171,10 @@ def massless(
     kept = rows @ shapes[:, elastic]
     compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
     compliance = 0.5 * (compliance + compliance.T)
-    if others:
+    if others or loads.shape[1] > own:
         limit = stiffest(squares, rows @ shapes, compliance)
-        fields = [moved[:, 3 * part.contacts :], *_at_speeds(others, modes)]
+        first = 3 * part.contacts if others else own
+        fields = [moved[:, first:], *_at_speeds(others, modes)]
         stiff, added = further(part.stiffness, part.mass, shapes, np.hstack(fields), limit)
         moved = moved - added @ (added.T @ loads / stiff[:, None])
         compliance = compliance - (rows @ added / stiff) @ (rows @ added).T
@@ -177,7 +188,11 @@ def massless(
             " contact nodes a radial flexibility"
         )
         raise SuperelementError(Fault(expected=expected))
-    return _reduced(part, squares, shapes, moved, compliance, len(squares), root)
+    return _reduced(part, squares, shapes, moved[:, :own], compliance, len(squares), root)
+
+
+def _with(loads: FloatArray, forces: FloatArray | None) -> FloatArray:
+    return loads if forces is None else np.hstack([loads, forces])
 
 
 def _at_speeds(others: Sequence[Superelement], modes: int) -> Iterator[FloatArray]:
@@ -215,6 +230,7 @@ def consistent(
     kept: int,
     root: "Root | None" = None,
     others: Sequence[Superelement] = (),
+    forces: FloatArray | None = None,
 ) -> ReducedSuperelement:
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 
@@ -225,6 +241,7 @@ def consistent(
         root: function from shapes to `ReducedSuperelement.root`, if it is needed.
         others: the structure at other speeds, see `massless`; the basis then also has what
             `massless` adds.
+        forces: see `massless`.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -246,12 +263,13 @@ def consistent(
     if len(inside):
         announce(part.size, fixed_interface_modes, len(boundary))
         rows = stiffness[inside]
-        pencil = _factorised(rows[:, inside], mass[inside][:, inside], 0.0)
+        shift = 0.0 if forces is None else part.softening  # a shaft line is free without bearings
+        pencil = _factorised(rows[:, inside], mass[inside][:, inside], shift)
         basis[inside, : len(boundary)] = -pencil.solve(rows[:, boundary].toarray())
         if fixed_interface_modes:
             basis[inside, len(boundary) :] = pencil.lowest(fixed_interface_modes)[1]
-    if others:
-        statics = modes_and_static(part, _few(part), part.loads)[1:]
+    if (others or forces is not None) and basis.shape[1] < part.size:
+        statics = modes_and_static(part, _few(part), _with(part.loads, forces))[1:]
         fields = [basis, *statics, *_at_speeds(others, fixed_interface_modes)]
         basis = independent(mass, scaled(mass, np.hstack(fields)))
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
@@ -304,6 +322,7 @@ def _reduced(
         stress=reduced_stress(part, squares, shapes, moved, np.abs(squares) > rigid_limit(part)),
         root=None if root is None else root(shapes),
         kept=kept,
+        **{name: getattr(part, name) @ shapes for name in LINE_ROWS if name in part.ROWS},
     )
 
 

@@ -52,7 +52,7 @@ def stage_properties(stage: Stage) -> dict[str, Any]:
             # The lowest frequency of the full bladed disk with free centre, at rest.
             "reference_frequency": stage.rate(stage.reference_frequency),
             "speed": stage.rate(stage.speed),
-            "rotation_effects": case.rotation.effects,  # effects included in the frequencies below
+            "rotation_effects": case.effects,  # effects included in the frequencies below
             "shaft_stiffness": case.shaft.springs if moves else None,  # x and y [N/m]
             # With the struts [kg]; None for a rigid wall.
             "casing_mass": stage.casing.mass if casing.is_flexible else None,

@@ -109,7 +109,7 @@ def stage_at(case: Case) -> Stage:
 
     With rotation effects the models also depend on the speed.
     """
-    turns = case.rotation.effects != "none"
+    turns = case.effects != "none"
     body = case.model_copy(
         update={
             "title": "",

@@ -235,9 +235,12 @@ def test_wheels_off_the_shaft_or_at_one_place_are_refused(
     assert [fault.key for fault in error.value.faults] == [key]
 
 
-def test_a_march_of_a_wheel_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(CaseError, match=r"shaft_line.wheel = .*: expected no wheel in a march"):
-        build_stage(case_of(tmp_path, fan("sector")))
+def test_a_march_of_further_wheels_alone_is_refused(tmp_path: Path) -> None:
+    further = {"position": 0.6, "superelement": {"file": str(tmp_path / "fan.npz")}}
+    write_superelement(tmp_path / "fan.npz", fan("sector"))
+    line = {key: LINE[key] for key in ("segments", "bearings")} | {"wheels": [further]}
+    with pytest.raises(CaseError, match=r"shaft_line.wheels = .*: expected none without"):
+        build_stage(case_from({"shaft_line": line}))
 
 
 def test_a_file_without_hub_is_refused(tmp_path: Path) -> None:

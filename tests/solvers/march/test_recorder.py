@@ -125,8 +125,7 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "result.nc") as actual:
         absent = {name for name in RESULT if RESULT[name].part in NO_BEAMS}
         absent |= {*COATING, "direction", "xyz", "stress_component"}
-        absent |= {"shaft_component", "plane_component"}
-        absent |= {"joint_direction", "joint_state", "joint_side"}
+        absent |= {"shaft_component", "joint_direction", "joint_state", "joint_side"}
         assert {*actual.variables} == {*RESULT} - absent
         for name in actual.variables:
             variable = RESULT[str(name)]

@@ -1,0 +1,263 @@
+"""A shaft line and its wheels of solids as one structure in rotating axes.
+
+The displacements of the hub of a wheel are those of its node of the shaft, so that the structure
+has the coordinates of the wheels without their hubs, and then six of each node of the shaft: the
+displacements along x, y and z and the rotations about x, y and z. Bearings are left out. In a plane
+of the shaft, with the matrices of `line` for its deflections and slopes,
+
+    Coriolis forces 2 M - P between the planes,      change of the stiffness P - M
+
+for 1 rad/s, as in `reduced`. Along and about its axis the shaft consists of rods, which the
+rotation does not change.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.shaft_line.axial import held_along, rods
+from bladewhirl.models.shaft_line.line import LineModel
+from bladewhirl.models.superelements.hub import (
+    check_hub,
+    hub_freed,
+    hub_of,
+    inner_dofs,
+    rigid_motions,
+)
+from bladewhirl.models.superelements.reduction import LINE_ROWS, root_at_rest
+from bladewhirl.models.superelements.superelement import FIXED, HUB, Superelement
+from bladewhirl.models.superelements.wheel import whole_wheel
+
+X, Y, Z, ABOUT_X, ABOUT_Y, ABOUT_Z = range(HUB)
+
+FREE = {"two": (X, Y), "four": (X, Y, ABOUT_X, ABOUT_Y), "six": tuple(range(HUB))}
+"""Displacements of a hub that follow the shaft, by `Wheel.unknowns`."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LineRotor(Superelement):
+    """A shaft line with its wheels in rotating axes, without bearings. Its contact nodes and points
+    are those of the first wheel; its centre is the hub of this wheel."""
+
+    ROWS: ClassVar[tuple[str, ...]] = (*Superelement.ROWS, *LINE_ROWS)
+
+    line_rows: sp.csr_array  #: the six displacements of each node of the shaft, (6 * nodes, n)
+    weight_rows: FloatArray
+    """Mass matrix times uniform displacements along x and along y [kg], (2, n)."""
+
+
+class Damped(NamedTuple):
+    """Modal damping of a wheel with a fixed hub."""
+
+    wheel: Superelement
+    relative: sp.csr_array
+    """Displacements of the coordinates of the wheel without its hub, relative to the rigid motion
+    with the hub, as rows on the coordinates of the rotor."""
+    ratio: float  #: damping ratio
+
+
+class OnLine(NamedTuple):
+    """The rotor of a line, and what is needed to reduce it."""
+
+    rotor: LineRotor
+    damped: tuple[Damped, ...]
+    forces: FloatArray
+    """Forces of unit size by the bearings on the coordinates, along x and along y, (n, forces)."""
+
+    @property
+    def damping(self) -> Callable[[FloatArray], FloatArray] | None:
+        """Function from shapes (n, m) to the modal damping of all wheels on them [1/s], (m, m);
+        None without damping."""
+        if not self.damped:
+            return None
+        roots = [(root_at_rest(one.wheel), one) for one in self.damped]
+
+        def on(shapes: FloatArray) -> FloatArray:
+            each = (2.0 * one.ratio * root(one.relative @ shapes) for root, one in roots)
+            return np.asarray(sum(each))
+
+        return on
+
+
+def wheel_with_hub(part: Superelement, sectors: int) -> Superelement:
+    """Return a wheel with its hub from the superelement of a file, which may be a sector."""
+    if part.left_dofs is None:
+        return replace(part, blade_stiffness=None)
+    assert part.right_dofs is not None
+    hub, position = hub_of(part), part.hub_position
+    kept = np.setdiff1d(np.arange(part.size), part.right_dofs)
+    free = replace(part, hub_dofs=None, hub_position=None, blade_stiffness=None)
+    loose = whole_wheel(free, sectors)
+    own = np.searchsorted(kept, hub) + len(kept) * np.arange(sectors)[:, None]
+    others = np.setdiff1d(np.arange(loose.size), own)
+    angle = 2.0 * np.pi / sectors * np.arange(sectors)
+    turned = np.zeros((sectors, HUB, HUB))  # the hub in the axes of each sector
+    for first in (X, ABOUT_X):
+        turned[:, first, first] = turned[:, first + 1, first + 1] = np.cos(angle)
+        turned[:, first, first + 1] = np.sin(angle)
+        turned[:, first + 1, first] = -np.sin(angle)
+        turned[:, first + 2, first + 2] = 1.0
+    every = sp.csr_array(sp.eye_array(loose.size))
+    basis = sp.csr_array(
+        sp.hstack([every[:, others], every[:, own.ravel()] @ turned.reshape(-1, HUB)])
+    )
+    place = np.full(loose.size + 1, FIXED)  # the last entry is that of a fixed component
+    place[others] = np.arange(len(others))
+    return replace(
+        loose,
+        **loose.projected(basis),
+        contact_dofs=place[loose.contact_dofs],
+        hub_dofs=len(others) + np.arange(HUB),
+        hub_position=position,
+        sectors=None,
+    )
+
+
+def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
+    """Return the rotor of a line.
+
+    Args:
+        line: the shaft line.
+        wheels: wheels with hubs in the order of `line.wheels`.
+
+    Raises:
+        SuperelementError: a hub does not hold its wheel, or its matrices are not those of a rigid
+            body on its motions.
+    """
+    nodes, tables = len(line.position), line.table.every_wheel
+    shaft, along = _shaft(line), any(one.unknowns == "six" for one in tables)
+    held = [HUB * (row % nodes) + (ABOUT_Z if row >= nodes else Z) for row in held_along(line)]
+    if not along:
+        held = [HUB * node + way for node in range(nodes) for way in (Z, ABOUT_Z)]
+    free = np.setdiff1d(np.arange(HUB * nodes), held)
+    inner = [wheel.size - HUB for wheel in wheels]
+    starts = np.concatenate([[0], np.cumsum(inner)])
+    size = int(starts[-1]) + len(free)
+    number = np.full(HUB * nodes, FIXED)
+    number[free] = starts[-1] + np.arange(len(free))
+    on_shaft = sp.csr_array((np.ones(len(free)), (free, number[free])), shape=(HUB * nodes, size))
+    bases = []
+    for start, wheel, table, place in zip(starts, wheels, tables, line.wheels, strict=False):
+        hub = np.zeros((HUB, HUB * nodes))
+        ways = np.array(FREE[table.unknowns])
+        hub[ways, HUB * place.node + ways] = 1.0
+        bases.append(_basis(wheel, int(start), size, sp.csr_array(hub) @ on_shaft))
+    forms = {name: on_shaft.T @ (form @ on_shaft) for name, form in shaft.forms.items()}
+    loads = {name: on_shaft.T @ load for name, load in shaft.loads.items()}
+    weight = np.array([on_shaft.T @ (shaft.forms["mass"] @ way) for way in shaft.uniform])
+    damped = list[Damped]()
+    for wheel, basis, table in zip(wheels, bases, tables, strict=True):
+        motions = rigid_motions(wheel)
+        check_hub(wheel, motions)
+        for name, form in wheel.projected(basis, wheel.FORMS).items():
+            forms[name] = forms[name] + form if name in forms else form
+        for name, load in wheel.projected(basis, wheel.LOADS).items():
+            loads[name] = loads[name] + load if name in loads else load
+        weight += np.asarray((wheel.mass @ motions[:, :2]).T @ basis)
+        if table.damping_ratio:
+            of_hub, own = basis[hub_of(wheel)], inner_dofs(wheel)
+            relative = basis[own] - sp.csr_array(motions[own]) @ of_hub
+            damped.append(Damped(hub_freed(wheel), sp.csr_array(relative), table.damping_ratio))
+    first, basis = wheels[0], bases[0]
+    place_of = np.append(np.arange(first.size), FIXED)
+    place_of[inner_dofs(first)] = np.arange(inner[0])
+    hub_node = HUB * line.wheels[0].node
+    rotor = LineRotor(
+        **{each.name: getattr(first, each.name) for each in fields(Superelement)}
+        | {name: form for name, form in forms.items()}
+        | loads
+        | first.projected(basis, Superelement.ROWS)
+        | {
+            "contact_dofs": place_of[first.contact_dofs],
+            "centre_dofs": number[[hub_node + X, hub_node + Y]],
+            "hub_dofs": None,
+            "hub_position": None,
+        },
+        line_rows=on_shaft,
+        weight_rows=weight,
+    )
+    return OnLine(rotor, tuple(damped), _forces(line, number, size))
+
+
+def linearised(rotor: LineRotor, omega: float) -> LineRotor:
+    """Return a rotor whose stiffness changes with the square of the speed only, as near a speed
+    [rad/s]: the energy and the momentum of a free speed need such a rotor."""
+    if rotor.stiffness_speed4 is None:
+        return rotor
+    slope = rotor.slope(omega)
+    stiffness = rotor.stiffness_at(omega) - omega**2 * slope
+    return replace(rotor, stiffness=stiffness, stiffness_speed=slope, stiffness_speed4=None)
+
+
+class _Shaft(NamedTuple):
+    forms: dict[str, Any]
+    loads: dict[str, FloatArray]
+    uniform: FloatArray  #: uniform displacements along x and along y, (2, 6 * nodes)
+
+
+def _shaft(line: LineModel) -> _Shaft:
+    """Return the matrices of the shaft and its disks on all displacements of its nodes."""
+    nodes, table = len(line.position), line.table
+    in_x, in_y, axial = (np.zeros((2 * nodes, HUB * nodes)) for _ in range(3))
+    node = np.arange(nodes)
+    in_x[2 * node, HUB * node + X] = in_x[2 * node + 1, HUB * node + ABOUT_Y] = 1.0
+    in_y[2 * node, HUB * node + Y] = 1.0
+    in_y[2 * node + 1, HUB * node + ABOUT_X] = -1.0
+    axial[node, HUB * node + Z] = axial[nodes + node, HUB * node + ABOUT_Z] = 1.0
+    rows = 2 * nodes
+    mass, polar = line.bare_mass, line.polar[:rows, :rows]
+    bending, (rod_mass, rod_stiffness) = line.shaft_stiffness[:rows, :rows], rods(line)
+
+    def both(form: FloatArray) -> FloatArray:
+        return in_x.T @ form @ in_x + in_y.T @ form @ in_y
+
+    elastic = both(bending) + axial.T @ rod_stiffness @ axial
+    across = in_y.T @ (2.0 * mass - polar) @ in_x
+    forms = {
+        "mass": both(mass) + axial.T @ rod_mass @ axial,
+        "stiffness": elastic,
+        "gyroscopic": across - across.T,
+        "stiffness_speed": both(polar - mass),
+    }
+    if table.loss_time:
+        forms["damping"] = table.loss_time * elastic
+    if table.axial is not None:
+        spring = HUB * line.node(table.axial.position) + Z
+        forms["stiffness"] = elastic.copy()
+        forms["stiffness"][spring, spring] += table.axial.stiffness
+    turned = np.zeros(2 * nodes)
+    turned[nodes:] = 1.0
+    return _Shaft(
+        forms={name: sp.csr_array(form) for name, form in forms.items()},
+        loads={
+            "centrifugal_load": np.zeros(HUB * nodes),
+            "euler_load": -axial.T @ (rod_mass @ turned),
+        },
+        uniform=np.stack([np.tile(np.eye(HUB)[way], nodes) for way in (X, Y)]),
+    )
+
+
+def _basis(wheel: Superelement, start: int, size: int, hub: Any) -> sp.csr_array:
+    """Return the coordinates of a wheel as rows on those of the rotor, (n, size): those without the
+    hub follow a number, those of the hub are given rows, (6, size)."""
+    own = inner_dofs(wheel)
+    entries = np.ones(len(own)), (own, start + np.arange(len(own)))
+    basis = sp.csr_array(entries, shape=(wheel.size, size))
+    every = sp.csr_array(sp.eye_array(wheel.size))
+    return sp.csr_array(basis + every[:, hub_of(wheel)] @ hub)
+
+
+def _forces(line: LineModel, number: IntArray, size: int) -> FloatArray:
+    """Return unit forces of the bearings along x and y, and unit moments of those against tilt."""
+    places = list[int]()
+    for bearing in line.table.bearings:
+        first = HUB * line.node(bearing.position)
+        ways = [X, Y] + [ABOUT_X, ABOUT_Y] * bool(np.any(bearing.tilt_stiffness))
+        places += number[[first + way for way in ways]].tolist()
+    forces = np.zeros((size, len(places)))
+    forces[places, np.arange(len(places))] = 1.0
+    return forces

@@ -1,0 +1,181 @@
+"""The stage of a shaft line with a wheel that rubs: rotor and wheels in the modes of their whole.
+
+The rotor without its bearings is a superelement in rotating axes, see `models.shaft_line.rotor`, on
+which the rotation acts in full. Its modes contain the static displacements by forces of the
+bearings. Contact nodes are those of the wheel of [bladed_disk].
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.analysis import MODES
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault, faults_at, with_values
+from bladewhirl.models.case.superelement import SOURCE
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.shaft_line.line import line_model
+from bladewhirl.models.shaft_line.rotor import OnLine, line_rotor, linearised, wheel_with_hub
+from bladewhirl.models.stage.build_matrices import other_speeds
+from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
+from bladewhirl.models.stage.kept_modes import KeptModes
+from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.stage.on_line import StageOnLine, with_supports
+from bladewhirl.models.stage.reduced_rotor import ReducedRotor
+from bladewhirl.models.stage.ring import Ring, stage_casing
+from bladewhirl.models.superelements.reduction import (
+    ReducedSuperelement,
+    boundary_size,
+    consistent,
+    massless,
+)
+from bladewhirl.models.superelements.superelement import HUB, SuperelementError
+
+LOSS = "no [blade_loss] on a shaft line: the matrices of the damaged wheel are not known"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RotorOnLine(StageOnLine, Matrices):
+    """A shaft line with wheels, reduced; the masses of its supports are modes of the casing."""
+
+    ring: Ring  #: the casing without supports
+
+    def at(self, omega: float) -> "RotorOnLine":
+        at_speed = {"march.speed": omega / self.reference_frequency}
+        return replace(
+            build_rotor_on_line(with_values(self.case, at_speed), self.ring), omega=omega
+        )
+
+    @cached_property
+    def rotor(self) -> ReducedRotor:
+        return self.without_dampers
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        return np.zeros(self.reduced.size)
+
+    def by_velocity(self, speed: float) -> FloatArray:
+        damping = self.reduced.drag(speed)
+        return np.asarray(damping if self.reduced.root is None else damping + self.reduced.root)
+
+    @property
+    def _rows(self) -> FloatArray:
+        """The six displacements of each node, (nodes, 6, modes)."""
+        assert self.reduced.line_rows is not None
+        return self.reduced.line_rows.reshape(-1, HUB, self.reduced.size)
+
+    @cached_property
+    def line_nodes(self) -> ComplexArray:
+        x, y, _, about_x, about_y, _ = self._rows.swapaxes(0, 1)
+        return np.stack([x + 1j * y, about_y - 1j * about_x], axis=1)
+
+    @property
+    def line_along(self) -> FloatArray:
+        return self._rows[:, [2, 5]]
+
+    @property
+    def weight_rows(self) -> FloatArray:
+        assert self.reduced.weight_rows is not None
+        return self.reduced.weight_rows
+
+    @property
+    def inertia(self) -> float:
+        reduced, load = self.reduced, self.reduced.centrifugal_load
+        assert load is not None
+        steady = self.speed**2 * load / reduced.squares
+        grown = (2.0 * load - reduced.slope(self.speed) @ steady) @ steady
+        of_wheels = sum(wheel.polar_inertia for wheel in self.line.wheels)
+        return float(super().inertia + self.line.polar_inertia + of_wheels + grown)
+
+    def without_blades(self, given: ContactProblem, turning: ContactProblem) -> LostBlades:
+        raise CaseError([case_fault(self.case, "blade_loss", LOSS)])
+
+    @property
+    def own_properties(self) -> dict[str, Any]:
+        return {"modes": self.reduced.size, "copies": self.table.copies}
+
+    @property
+    def fewer_modes(self) -> str:
+        return f"fewer shaft_line.segments.elements, {super().fewer_modes}"
+
+    @cached_property
+    def shown_arrays(self) -> StageArrays:
+        shown = replace(self, reduced_casing=self.ring.reduced_casing)
+        arrays = super(RotorOnLine, shown).shown_arrays
+        table = self.line.table
+        return replace(
+            arrays,
+            shaft_position=self.line.position,
+            shaft_radius=self.line.outer_radius,
+            bearing_name=table.named(),
+            bearing_node=np.array([self.line.node(each.position) for each in table.bearings]),
+        )
+
+
+def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
+    """Return the stage of a case with a wheel on its shaft line.
+
+    Args:
+        case: the case.
+        ring: its casing without supports, if it is known.
+
+    Raises:
+        CaseError: the bearings do not hold the line, or the rotor cannot be reduced as the case
+            demands.
+    """
+    table = case.bladed_disk.matrices
+    try:
+        line = line_model(case)
+        tables = (table, *(one.superelement for one in line.table.wheels))
+        on_line = line_rotor(line, [wheel_with_hub(one.with_hub, one.copies) for one in tables])
+        if case.march.drive is not None:
+            on_line = on_line._replace(rotor=linearised(on_line.rotor, line.speed))
+        reduced_at = partial(_reduced_at, case, on_line)
+        others = other_speeds(case, line.reference_frequency)
+        reduced = reduced_at(line.speed, others)
+    except SuperelementError as error:
+        raise CaseError(faults_at(case, f"{SOURCE}.file", error)) from None
+    ring, rotor = stage_casing(case) if ring is None else ring, on_line.rotor
+    wall = with_supports(ring.reduced_casing, line.table.supports)
+    return RotorOnLine(
+        case=case.in_seconds(line.reference_frequency),
+        casing=ring.casing,
+        casing_modes=ring.casing_modes,
+        reduced_casing=wall,
+        reference_frequency=line.reference_frequency,
+        ring=ring,
+        line=line,
+        part=rotor,
+        given=rotor,
+        shown=np.arange(rotor.point_count),
+        reduced=reduced,
+        reduced_at=reduced_at,
+        build=build_rotor_on_line,
+        blade=np.arange(rotor.contacts) // (rotor.contacts // table.copies),
+        kept=KeptModes(
+            rotor=np.arange(reduced.size),
+            casing=np.arange(len(wall.frequency)),
+            coupled=None,
+            springs=None,
+        ),
+    )
+
+
+def _reduced_at(
+    case: Case, on_line: OnLine, omega: float, others: tuple[float, ...] = ()
+) -> ReducedSuperelement:
+    """Return the rotor in its modes at a speed [rad/s], with the modes and static displacements of
+    other speeds that `massless` adds."""
+    root, forces, reduction = on_line.damping, on_line.forces, case.reduction
+    part, *slower = (on_line.rotor.at(speed) for speed in (omega, *others))
+    if reduction.boundary == "massless":
+        modes = min(reduction.free_interface_modes, part.size - 1)
+        return massless(part, modes, root, slower, forces)
+    kept = reduction.fixed_interface_modes
+    if kept == MODES:  # the default: all modes of a small superelement
+        kept = min(kept, part.size - boundary_size(part))
+    return consistent(part, kept, kept, root, slower, forces)
