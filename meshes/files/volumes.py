@@ -127,6 +127,35 @@ def merged(mesh: VolumeMesh, distance: float) -> VolumeMesh:
     )
 
 
+def without_cells(mesh: VolumeMesh, nodes: IntArray) -> tuple[VolumeMesh, IntArray]:
+    """Return a mesh without the cells all of whose nodes are given, and the numbers of its nodes in
+    the mesh, ascending: nodes that belong to no cell any more are left out."""
+    stays = [~np.isin(cells, nodes).all(axis=1) for _, cells in mesh.blocks]
+    blocks = [
+        (element, cells[kept])
+        for (element, cells), kept in zip(mesh.blocks, stays, strict=True)
+        if kept.any()
+    ]
+    used = np.unique(np.concatenate([cells.ravel() for _, cells in blocks]))
+    place, cell = np.full(len(mesh.points), -1), np.concatenate(stays)
+    place[used] = np.arange(len(used))
+    number = np.where(cell, np.cumsum(cell) - 1, -1)
+
+    def among(numbers: IntArray, given: IntArray) -> IntArray:
+        return np.asarray(numbers[given][numbers[given] >= 0])
+
+    rest = replace(
+        mesh,
+        points=mesh.points[used],
+        blocks=tuple((element, place[cells]) for element, cells in blocks),
+        groups={name: among(place, each) for name, each in mesh.groups.items()},
+        cell_groups={name: among(number, each) for name, each in mesh.cell_groups.items()},
+        rigid=tuple((text, among(place, each)) for text, each in mesh.rigid),
+        rows=mesh.rows[used] if len(mesh.rows) else mesh.rows,
+    )
+    return rest, used
+
+
 def _gmsh_mesh(path: Path) -> SolidMesh:
     return SolidMesh(gmsh_mesh(path))
 

@@ -10,6 +10,7 @@ from pydantic import (
     model_serializer,
 )
 
+from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Table
 
@@ -36,6 +37,11 @@ class BladeLoss(Table):
     share: Annotated[float, fields.number("not negative")] = Field(default=0.0, alias="from")
     """Place of the fracture as a share of the length of the blade from its root, the key `from`: 0
     loses the whole blade. The blade breaks at the nearest node, which stays with the root."""
+
+    damaged: SuperelementTable | None = Field(default=None, examples=['{ file = "damaged.npz" }'])
+    """File of the wheel that remains, for a wheel on a shaft line, { file = "damaged.npz" }: its
+    matrices on the coordinates of the whole wheel, of which those of lost parts have no mass and no
+    stiffness, as mesh3d writes them with lost = GROUP."""
 
     @model_serializer(mode="wrap")
     def _with_alias(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -29,7 +29,10 @@ SET = "--set"  #: text that replaces the name of the file in faults of overridde
 
 LOAD_TYPE = re.compile(r"excitation(\.[0-9]+)?\.type")
 
-FILES = ("bladed_disk.mesh", "bladed_disk.superelement", "casing.profile", "casing.coating.profile")
+FILES = (
+    *("bladed_disk.mesh", "bladed_disk.superelement", "casing.profile", "casing.coating.profile"),
+    "blade_loss.damaged",
+)
 """Tables with the path of a file."""
 
 EXCLUSIVE = (

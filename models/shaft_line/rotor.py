@@ -13,7 +13,7 @@ rotation does not change.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -28,7 +28,7 @@ from bladewhirl.models.superelements.hub import (
     inner_dofs,
     rigid_motions,
 )
-from bladewhirl.models.superelements.reduction import LINE_ROWS, root_at_rest
+from bladewhirl.models.superelements.reduction import root_at_rest
 from bladewhirl.models.superelements.superelement import FIXED, HUB, Superelement
 from bladewhirl.models.superelements.wheel import whole_wheel
 
@@ -42,8 +42,6 @@ FREE = {"two": (X, Y), "four": (X, Y, ABOUT_X, ABOUT_Y), "six": tuple(range(HUB)
 class LineRotor(Superelement):
     """A shaft line with its wheels in rotating axes, without bearings. Its contact nodes and points
     are those of the first wheel; its centre is the hub of this wheel."""
-
-    ROWS: ClassVar[tuple[str, ...]] = (*Superelement.ROWS, *LINE_ROWS)
 
     line_rows: sp.csr_array  #: the six displacements of each node of the shaft, (6 * nodes, n)
     weight_rows: FloatArray

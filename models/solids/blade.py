@@ -12,7 +12,7 @@ from numpy.linalg import LinAlgError
 
 from bladewhirl.meshes.coincident import COINCIDENT
 from bladewhirl.meshes.files.groups import MeshFileError
-from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh
+from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh, without_cells
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
@@ -36,8 +36,14 @@ from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.solids.wheels import blade_by_blade, goes_round
 from bladewhirl.models.superelements.cyclic import transformation
-from bladewhirl.models.superelements.hub import check_hub, hub_freed, tied_rows, with_tie
-from bladewhirl.models.superelements.superelement import HUB, Superelement
+from bladewhirl.models.superelements.hub import (
+    check_hub,
+    hub_freed,
+    in_whole,
+    tied_rows,
+    with_tie,
+)
+from bladewhirl.models.superelements.superelement import FIXED, HUB, Superelement
 
 MOST_NODES = 100_000
 """Largest number of nodes. A factor of the stiffness of a larger mesh takes too much memory."""
@@ -66,6 +72,7 @@ def mesh3d(
     joint_right: str | None = None,
     joint_nodes: int | None = None,
     blade: str | None = None,
+    lost: str | None = None,
     left: str | None = None,
     right: str | None = None,
     copies: int | None = None,
@@ -139,6 +146,10 @@ def mesh3d(
         blade: group, or a condition as for `clamped`, of the nodes of the blade of a sector, or of
             the blades of a wheel. Elements all of whose nodes belong to it are those whose Young's
             modulus the mistuning of a case changes (`blade_stiffness`).
+        lost: group, or a condition as for `clamped`, of the nodes of blades that a wheel in one
+            piece with a hub has lost. Elements all of whose nodes belong to it are left out; the
+            superelement has the coordinates of the whole wheel, of which those of lost nodes have
+            no mass and no stiffness, for `[blade_loss]` of a wheel on a shaft line.
         left, right: groups, or conditions as for `clamped`, of the clockwise and of the
             counter-clockwise face of a sector; their nodes match after a rotation by one pitch.
             Both or none are given; with `copies` alone, faces that match are found.
@@ -199,6 +210,11 @@ def mesh3d(
             raise invalid("clamped", clamped, "none with hub, which holds the wheel")
         if omega != 0.0:
             raise invalid("speed", speed, "0 with hub: a shaft line needs stiffness_speed")
+    every, remaining = volumes, np.arange(len(volumes.points))
+    if lost is not None:
+        if hub is None or copies is not None:
+            raise invalid("lost", lost, "none without hub, or with copies: a wheel in one piece")
+        volumes, remaining = without_cells(volumes, group_nodes(volumes, "lost", lost, axis))
     key, group = ("clamped", clamped) if hub is None else ("hub", hub)
     fixed = np.zeros(0, int) if group is None else group_nodes(volumes, key, group, axis)
     tips = group_nodes(volumes, "contact", contact, axis)
@@ -308,12 +324,20 @@ def mesh3d(
             raise invalid("blade", blade, "all nodes of at least one element")
         content["blade_stiffness"] = sp.csr_array(select.T @ solid.stiffness(chosen) @ select)
     part = Superelement(stiffness=sp.csr_array(select.T @ stiffness @ select), speed=0.0, **content)
+    number, size = np.arange(part.size), part.size
+    if lost is not None:
+        if bodies or solid.size > len(solid.points):
+            raise invalid("lost", lost, "none with rigid bodies or elements of incompatible modes")
+        tied = group_nodes(every, key, str(group), axis)
+        place, free = free_displacements(len(every.points), every.points, tied, [], centre)
+        place, size = place[remaining], free.shape[1]
+        number = np.concatenate([place[place != FIXED], size - HUB + np.arange(HUB)])
     if omega != 0.0 and not (len(fixed) and stiffening and not bodies):
         expected = "0, or clamped nodes (a free part does not resist rotation) and a stiffening"
         expected += ", without rigid bodies" if bodies else ""
         raise invalid("speed", speed, expected)
     if stiffening is None or not len(fixed):
-        return part
+        return in_whole(part, number, size)
     if bodies:
         text = "the stiffness at speed is left out: it is not computed for solids with rigid bodies"
         warnings.warn(text, Hint, stacklevel=2)
@@ -342,7 +366,7 @@ def mesh3d(
         motions[part.hub_dofs] = np.eye(HUB)
         check_hub(part, motions)
     if omega == 0.0:
-        return part
+        return in_whole(part, number, size)
     return replace(part.at(omega), stiffness_speed=None, stiffness_speed4=None)
 
 

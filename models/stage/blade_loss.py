@@ -210,7 +210,7 @@ def copies_after_loss(stage: Stage, given: ContactProblem) -> LostBlades:
     reach = rotor.tip_recess[tips] + stage.blade_length + clearance
     after = replace(
         given,
-        rotor=replace(rotor, tip_recess=_recess_without(given, tips, reach)),
+        rotor=replace(rotor, tip_recess=recess_without(given, tips, reach)),
         loads=tuple(replace(load, rotor=np.where(kept, load.rotor, 0.0)) for load in given.loads),
         start=Start.of_rotor(np.zeros(len(kept)), np.zeros(len(kept)), len(given.casing.frequency)),
     )
@@ -292,11 +292,11 @@ def _without_tips(
     return replace(
         rotor,
         contact=contact,
-        tip_recess=_recess_without(given, blades, reach),
+        tip_recess=recess_without(given, blades, reach),
     )
 
 
-def _recess_without(given: ContactProblem, tips: IntArray, reach: FloatArray) -> FloatArray:
+def recess_without(given: ContactProblem, tips: IntArray, reach: FloatArray) -> FloatArray:
     """Return the recess of all tips, of which lost ones cannot reach the wall [m], (tips,)."""
     recess = given.rotor.tip_recess.copy()
     recess[tips] += reach + 3.0 * given.displacement_limit

@@ -18,31 +18,48 @@ from bladewhirl.models.case.file import case_fault, faults_at, with_values
 from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.models.shaft_line.line import line_model
-from bladewhirl.models.shaft_line.rotor import OnLine, line_rotor, linearised, wheel_with_hub
+from bladewhirl.models.shaft_line.line import LineModel, line_model
+from bladewhirl.models.shaft_line.rotor import (
+    LineRotor,
+    OnLine,
+    line_rotor,
+    linearised,
+    wheel_with_hub,
+)
+from bladewhirl.models.stage.blade_loss import recess_without
 from bladewhirl.models.stage.build_matrices import other_speeds
 from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
+from bladewhirl.models.stage.damaged_rotor import (
+    DamagedRotor,
+    changes_of_coordinates,
+    damaged_rotor,
+)
+from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.kept_modes import KeptModes
 from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.on_line import StageOnLine, with_supports
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring, stage_casing
+from bladewhirl.models.stage.speed_change import with_drive, with_rotation
+from bladewhirl.models.stage.varying_speed import SpeedChange
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
     consistent,
     massless,
 )
-from bladewhirl.models.superelements.superelement import HUB, SuperelementError
-
-LOSS = "no [blade_loss] on a shaft line: the matrices of the damaged wheel are not known"
+from bladewhirl.models.superelements.superelement import HUB, Superelement, SuperelementError
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class RotorOnLine(StageOnLine, Matrices):
     """A shaft line with wheels, reduced; the masses of its supports are modes of the casing."""
 
+    part: LineRotor
     ring: Ring  #: the casing without supports
+    on_line: OnLine  #: the rotor at rest
+    wheels: tuple[Superelement, ...]  #: its wheels with their hubs
 
     def at(self, omega: float) -> "RotorOnLine":
         at_speed = {"march.speed": omega / self.reference_frequency}
@@ -65,8 +82,12 @@ class RotorOnLine(StageOnLine, Matrices):
     @property
     def _rows(self) -> FloatArray:
         """The six displacements of each node, (nodes, 6, modes)."""
-        assert self.reduced.line_rows is not None
-        return self.reduced.line_rows.reshape(-1, HUB, self.reduced.size)
+        return np.asarray(self.part.line_rows @ self._shapes).reshape(-1, HUB, self.reduced.size)
+
+    @property
+    def _shapes(self) -> FloatArray:
+        assert self.reduced.shapes is not None
+        return self.reduced.shapes
 
     @cached_property
     def line_nodes(self) -> ComplexArray:
@@ -79,8 +100,7 @@ class RotorOnLine(StageOnLine, Matrices):
 
     @property
     def weight_rows(self) -> FloatArray:
-        assert self.reduced.weight_rows is not None
-        return self.reduced.weight_rows
+        return self.part.weight_rows @ self._shapes
 
     @property
     def inertia(self) -> float:
@@ -88,11 +108,89 @@ class RotorOnLine(StageOnLine, Matrices):
         assert load is not None
         steady = self.speed**2 * load / reduced.squares
         grown = (2.0 * load - reduced.slope(self.speed) @ steady) @ steady
+        return float(self.undeformed_inertia + grown)
+
+    @property
+    def undeformed_inertia(self) -> float:
+        """Moment of inertia about the axis of all that turns, at rest [kg m2]."""
         of_wheels = sum(wheel.polar_inertia for wheel in self.line.wheels)
-        return float(super().inertia + self.line.polar_inertia + of_wheels + grown)
+        return super().inertia + self.line.polar_inertia + of_wheels
 
     def without_blades(self, given: ContactProblem, turning: ContactProblem) -> LostBlades:
-        raise CaseError([case_fault(self.case, "blade_loss", LOSS)])
+        case, loss, speed = self.case, self.case.blade_loss, self.speed
+        assert loss is not None
+        assert loss.damaged is not None
+        try:
+            rest = damaged_rotor(
+                *(self.line, self.on_line, self.wheels, loss.damaged.with_hub, speed),
+                partial(_prepared, case, self.line),
+            )
+            release = rest.release(speed)
+            reduced_at = partial(_damaged_at, case, rest, release["constant"], self.reduced)
+            reduced = reduced_at(speed, other_speeds(case, self.reference_frequency))
+        except SuperelementError as error:
+            raise CaseError(faults_at(case, "blade_loss.damaged.file", error)) from None
+        if (gone := np.unique(self.blade[rest.lost]).tolist()) != sorted(loss.blade):
+            named = ", ".join(map(str, gone)) or "none"
+            expected = f"the blades whose contact nodes the damaged wheel lacks: {named}"
+            raise CaseError([case_fault(case, "blade_loss.blade", expected)])
+        after = replace(
+            self,
+            part=rest.on_line.rotor,
+            on_line=rest.on_line,
+            reduced=reduced,
+            reduced_at=reduced_at,
+            kept=replace(self.kept, rotor=np.arange(reduced.size)),
+        )
+        problem = after.released(given, release, rest)
+        limit = problem.critical_time_step
+        if not case.march.time_step < limit:
+            expected = f"less than the critical step {limit:.6g} s of what remains after the loss"
+            raise CaseError([case_fault(case, "march.time_step", expected)])
+        mass, own = rest.on_line.rotor.mass, self._shapes[rest.kept]
+        restriction, extension = changes_of_coordinates(mass, own, after._shapes)
+        tips = np.flatnonzero(rest.lost)
+        clearance = float(case.casing.clearance_profile.smallest)
+        reach = given.rotor.tip_recess[tips] + self.blade_length + clearance
+        rotor = replace(problem.rotor, tip_recess=recess_without(given, tips, reach))
+        return LostBlades(
+            time=loss.time,
+            after=replace(problem, rotor=rotor),
+            restriction=restriction,
+            extension=extension,
+            tips=tips,
+            reach=reach,
+        )
+
+    def released(
+        self, given: ContactProblem, release: dict[str, FloatArray], rest: DamagedRotor
+    ) -> ContactProblem:
+        """Return the contact problem of this stage after a loss.
+
+        Args:
+            given: contact problem of the whole rotor at a constant speed.
+            release: see `DamagedRotor.release`.
+            rest: the rotor of this stage.
+        """
+        case, modes, still = self.case, self._shapes, self.casing_rest
+        patterns = {name: modes.T @ force for name, force in release.items()}
+        freed = Load(rotor=patterns.pop("constant"), casing=still)
+        problem = replace(
+            given,
+            rotor=self.bodies[0],
+            bearings=self.bearings,
+            loads=(*excitation_loads(self), *self.own_loads, freed),
+            start=Start.of_rotor(self.rotor_rest, self.rotor_rest, len(still)),
+        )
+        course = case.march.course(self.reference_frequency)
+        if course is None:
+            return problem
+        change = SpeedChange(
+            course=course, rotor=self.turning.rotor, compliance=self.compliance_over(course)
+        )
+        problem = with_rotation(problem, change, **patterns)
+        whole = self.line.wheels[0].polar_inertia
+        return with_drive(case, problem, self.undeformed_inertia - whole + rest.inertia)
 
     @property
     def own_properties(self) -> dict[str, Any]:
@@ -131,9 +229,8 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
     try:
         line = line_model(case)
         tables = (table, *(one.superelement for one in line.table.wheels))
-        on_line = line_rotor(line, [wheel_with_hub(one.with_hub, one.copies) for one in tables])
-        if case.march.drive is not None:
-            on_line = on_line._replace(rotor=linearised(on_line.rotor, line.speed))
+        wheels = tuple(wheel_with_hub(one.with_hub, one.copies) for one in tables)
+        on_line = _prepared(case, line, line_rotor(line, wheels))
         reduced_at = partial(_reduced_at, case, on_line)
         others = other_speeds(case, line.reference_frequency)
         reduced = reduced_at(line.speed, others)
@@ -148,6 +245,8 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
         reduced_casing=wall,
         reference_frequency=line.reference_frequency,
         ring=ring,
+        on_line=on_line,
+        wheels=wheels,
         line=line,
         part=rotor,
         given=rotor,
@@ -163,6 +262,43 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
             springs=None,
         ),
     )
+
+
+def _prepared(case: Case, line: LineModel, on_line: OnLine) -> OnLine:
+    """Return a rotor as the case needs it: linearised for a free speed."""
+    if case.march.drive is None:
+        return on_line
+    return on_line._replace(rotor=linearised(on_line.rotor, line.speed))
+
+
+def _damaged_at(
+    case: Case,
+    rest: DamagedRotor,
+    force: FloatArray,
+    whole: ReducedSuperelement,
+    omega: float,
+    others: tuple[float, ...] = (),
+) -> ReducedSuperelement:
+    """Return what remains of a rotor in its modes at a speed [rad/s], with all contact nodes.
+
+    Args:
+        case: the case.
+        rest: what remains.
+        force: force by the loss, whose static displacement is added to the modes, (n,).
+        whole: the whole rotor in its modes.
+        omega: speed [rad/s].
+        others: see `_reduced_at`.
+    """
+    on_line, stays = rest.on_line, ~rest.lost
+    rotor = on_line.rotor
+    rotor = replace(
+        rotor,
+        contact_position=rotor.contact_position[stays],
+        contact_dofs=rotor.contact_dofs[stays],
+    )
+    pushed = np.column_stack([on_line.forces, force])
+    reduced = _reduced_at(case, on_line._replace(rotor=rotor, forces=pushed), omega, others)
+    return rest.with_lost_nodes(reduced, whole)
 
 
 def _reduced_at(

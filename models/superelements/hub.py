@@ -37,6 +37,7 @@ from bladewhirl.models.superelements.superelement import (
     IndefiniteError,
     Superelement,
     SuperelementError,
+    diagonal,
 )
 
 WAVES: dict[int, ComplexArray] = {
@@ -89,6 +90,32 @@ def hub_freed(part: Superelement, free: tuple[int, ...] = ()) -> Superelement:
     dofs: dict[str, Any] = {name: place[one] for name, one in part.given(names).items()}
     dofs["centre_dofs"] = place[part.hub_dofs[:2]] if free else None
     return replace(part, **part.projected(select), **dofs, hub_dofs=None, hub_position=None)
+
+
+def in_whole(part: Superelement, number: IntArray, size: int) -> Superelement:
+    """Return a superelement with the coordinates of a larger one; others have no mass and no
+    stiffness.
+
+    Args:
+        part: superelement.
+        number: number of each of its coordinates in the larger one, (n,).
+        size: number of coordinates of the larger one.
+    """
+    if size == part.size:
+        return part
+    entries = np.ones(part.size), (np.arange(part.size), number)
+    every = np.append(number, FIXED)  # the last entry is that of a fixed component
+    names = ("contact_dofs", "hub_dofs", "centre_dofs", "left_dofs", "right_dofs")
+    return replace(
+        part,
+        **part.projected(sp.csr_array(entries, shape=(part.size, size))),
+        **{name: every[one] for name, one in part.given(names).items()},
+    )
+
+
+def remaining_dofs(part: Superelement) -> IntArray:
+    """Return the coordinates of a superelement that have mass or stiffness, ascending."""
+    return np.flatnonzero((diagonal(part.mass) > 0.0) | (diagonal(part.stiffness) > 0.0))
 
 
 def without_tilt(part: Superelement) -> Superelement:

@@ -71,8 +71,6 @@ LOWEST, SMALL = 60, 1e-12
 """Number of lowest modes from which the damping of a large structure follows; and the smallest
 mass of what they leave of the shapes, as a fraction of the largest."""
 
-LINE_ROWS = ("line_rows", "weight_rows")  #: rows of a `LineRotor`
-
 RIGID_SECTOR = Fault(
     expected="a sector without rigid modes and with a stiffness that is not indefinite"
 )
@@ -84,7 +82,7 @@ class ReducedSuperelement(Rotating[Matrix]):
     diagonal, with matrices (modes, modes) and loads (modes,)."""
 
     FORMS: ClassVar[tuple[str, ...]] = (*Rotating.FORMS, "root")
-    ROWS: ClassVar[tuple[str, ...]] = ("contact", "centre", "strains", *LINE_ROWS)
+    ROWS: ClassVar[tuple[str, ...]] = ("contact", "centre", "strains", "shapes")
 
     contact: FloatArray
     """Radial, tangential and axial displacements of the contact nodes for unit modal coordinates
@@ -116,11 +114,8 @@ class ReducedSuperelement(Rotating[Matrix]):
     kept: int
     """Number of the lowest modes, which have the damping ratio of the structure; higher modes have
     that of the boundary."""
-    line_rows: FloatArray | None = None
-    """Displacements of the nodes of a shaft line for unit modal coordinates [kg^-1/2], (6 * nodes,
-    modes), see `LineRotor`."""
-    weight_rows: FloatArray | None = None
-    """Modal forces of a unit acceleration along x and along y [kg^1/2], (2, modes)."""
+    shapes: FloatArray | None = None
+    """Modes of a structure that is not a wheel of sectors [kg^-1/2], (n, modes)."""
 
     @property
     def squares(self) -> FloatArray:
@@ -322,7 +317,7 @@ def _reduced(
         stress=reduced_stress(part, squares, shapes, moved, np.abs(squares) > rigid_limit(part)),
         root=None if root is None else root(shapes),
         kept=kept,
-        **{name: getattr(part, name) @ shapes for name in LINE_ROWS if name in part.ROWS},
+        shapes=shapes,
     )
 
 

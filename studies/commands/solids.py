@@ -61,6 +61,7 @@ def mesh3d(
     joint_right: str | None = None,
     joint_nodes: options.MaybeNumber = None,
     blade: str | None = None,
+    lost: str | None = None,
     left: str | None = None,
     right: str | None = None,
     copies: int | None = None,
@@ -101,6 +102,7 @@ def mesh3d(
         joint_right: Group, or condition, of the counter-clockwise surface of this joint.
         joint_nodes: Number of pairs of nodes of the joint, far from each other. Default: all.
         blade: Group of the blade of a sector, whose stiffness mistuning changes.
+        lost: Group of blades that a wheel with a hub has lost, for [blade_loss]; or condition.
         left: Group of the clockwise face of a sector; with --copies alone faces are found.
         right: Group of the counter-clockwise face of a sector.
         copies: Number of sectors of the wheel, or of blades of a wheel in one piece.

@@ -1,6 +1,7 @@
 """A wheel on its shaft line, marched in the modes of the rotor, against the whole rotor integrated
 with the unreduced matrices of `plain_rotor`."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg as la
+import scipy.sparse as sp
 from contact_cases import ledger_residual
 from plain_rotor import NU, RHO, SPIN, E, Shaft, rotor
 from scipy.integrate import solve_ivp
@@ -15,13 +17,14 @@ from solid_meshes import fan_sector, whole
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case, case_from
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.rotor_on_line import RotorOnLine
 from bladewhirl.models.superelements.file import write_superelement
-from bladewhirl.models.superelements.hub import inner_dofs, rigid_motions
-from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.models.superelements.hub import inner_dofs, remaining_dofs, rigid_motions
 from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.sudden_changes import make_scheme
 
 SECTORS, NODES, HUB = 5, 4, 3
 STEEL: dict[str, Any] = {
@@ -37,7 +40,6 @@ BEARINGS = [
     {"position": 0.2 * node, "stiffness": spring.tolist(), "damping": damper.tolist()}
     for node, spring, damper in zip(PLACES, SPRINGS, DAMPERS, strict=True)
 ]
-SPEED = 900.0  #: fastest speed [rad/s]
 HIGHEST = 2e5  #: highest frequency of the modes in which the whole rotor is integrated [rad/s]
 
 
@@ -54,11 +56,19 @@ def fan_sector_part() -> Any:
     return mesh3d(fan_sector(SECTORS), **STEEL, **faces)
 
 
+@cache
+def damaged() -> Any:
+    """The wheel without its blade at the angle 0."""
+    gone = "r > 79.9 mm and -30 < angle < 30"
+    return mesh3d(whole(fan_sector(SECTORS), SECTORS), **STEEL, lost=gone)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with the files of wheel and sector."""
     place = tmp_path_factory.mktemp("rotor")
     write_superelement(place / "wheel.npz", fan())
+    write_superelement(place / "damaged.npz", damaged())
     write_superelement(place / "sector.npz", fan_sector_part())
     return place
 
@@ -95,66 +105,66 @@ def stage_of(case: Case) -> RotorOnLine:
 
 def marched(stage: RotorOnLine, step: float, end: float, every: int = 10) -> Chunk:
     """The records of a march."""
-    scheme = CentralDifference(contact_problem(stage), step, every)
+    scheme = make_scheme(contact_problem(stage), step, every)
     return scheme.advance(scheme.init(), round(end / step) + 1)[1]
 
 
-def column(node: int, way: int) -> int:
-    """Number of a displacement of a node of the shaft in `plain_rotor`, whose rotation about the
-    axis at the first node is left out."""
-    place = 6 * node + way
-    return int(fan().size) - 6 + place - (place > 5)
-
-
 class Whole:
-    """The whole rotor on its lowest modes at `SPEED`, in rotating axes."""
+    """The whole rotor of a wheel on its lowest modes at a speed, in rotating axes."""
 
-    def __init__(self) -> None:
-        mass, _, stiffness = self._at(SPEED)
-        squares, shapes = la.eigh(stiffness, mass)
+    def __init__(self, wheel: Any, speed: float) -> None:
+        self.wheel = wheel
+        self.mass, _, stiffness = self._at(speed)
+        squares, shapes = la.eigh(stiffness, self.mass)
         self.shapes = shapes[:, squares < HIGHEST**2]
         self.still = self._on(self._at(0.0)[2])
         self.gyroscopic = self._on(self._at(1.0)[1])
-        other = [(self._on(self._at(speed)[2]) - self.still) / speed**2 for speed in (1e3, 2e3)]
+        other = [(self._on(self._at(one)[2]) - self.still) / one**2 for one in (1e3, 2e3)]
         self.fourth = (other[1] - other[0]) / 3e6  # of K_1 + Omega^2 K_2
         self.square = other[0] - 1e6 * self.fourth
-        wheel, hub = fan(), column(HUB, 0) + np.arange(6)
+        hub = self.column(HUB, 0) + np.arange(6)
         place = np.zeros(wheel.size, dtype=int)
         place[inner_dofs(wheel)], place[wheel.hub_dofs] = np.arange(wheel.size - 6), hub
-        uniform = np.zeros((len(mass), 2))
+        uniform = np.zeros((len(self.mass), 2))
         uniform[: wheel.size - 6] = rigid_motions(wheel)[inner_dofs(wheel), :2]
         for node in range(NODES):
             for way in range(2):
-                uniform[column(node, way), way] = 1.0
-        self.uniform = self.shapes.T @ (mass @ uniform)
-        along, euler = np.zeros((2, len(mass)))
+                uniform[self.column(node, way), way] = 1.0
+        self.uniform = self.shapes.T @ (self.mass @ uniform)
+        along, euler = np.zeros((2, len(self.mass)))
         along[place], euler[place] = wheel.centrifugal_load, wheel.euler_load
-        turned = np.zeros(len(mass))
-        for node in range(1, NODES):
-            turned[column(node, 5)] = 1.0
-        turned[: wheel.size - 6] = 0.0
-        rods = np.zeros(len(mass))  # Euler forces of the rods between nodes, of which one is held
-        inertia = RHO * np.pi * 0.04**4 / 32.0 * 0.2
+        inertia = RHO * np.pi * 0.04**4 / 32.0 * 0.2  # of the rods between two nodes
         for node, share in ((1, 1.0), (2, 1.0), (3, 0.5)):
-            rods[column(node, 5)] = inertia * share
-        self.along, self.euler = self.shapes.T @ along, self.shapes.T @ (euler - rods)
+            euler[self.column(node, 5)] -= inertia * share
+        self.along, self.euler = self.shapes.T @ along, self.shapes.T @ euler
+
+    def column(self, node: int, way: int) -> int:
+        """Number of a displacement of a node of the shaft in `plain_rotor`, whose rotation about
+        the axis at the first node is left out."""
+        place = 6 * node + way
+        return int(self.wheel.size) - 6 + place - (place > 5)
+
+    def deflection(self, node: int) -> FloatArray:
+        """Rows of the displacements x and y of a node, (2, modes)."""
+        return np.asarray(self.shapes[[self.column(node, 0), self.column(node, 1)]])
 
     def _at(self, omega: float) -> list[FloatArray]:
-        return [np.asarray(each.toarray()) for each in rotor(SHAFT, fan(), omega)]
+        return [np.asarray(each.toarray()) for each in rotor(SHAFT, self.wheel, omega)]
 
     def _on(self, matrix: FloatArray) -> FloatArray:
         return np.asarray(self.shapes.T @ matrix @ self.shapes)
 
-    def nodes(self, x: FloatArray) -> FloatArray:
-        """Displacements x and y of the nodes of the shaft in rotating axes, (nodes, 2)."""
-        rows = [[column(node, way) for way in range(2)] for node in range(NODES)]
-        return np.asarray((self.shapes @ x)[rows])
+    def steady(self, speed: float) -> FloatArray:
+        """Static state at a speed without displacement of the bearings, and no velocity."""
+        square = speed**2
+        stiffness = self.still + square * (self.square + square * self.fourth)
+        found = np.linalg.solve(stiffness, square * self.along)
+        return np.concatenate([found, np.zeros_like(found)])
 
-    def motion(self, turned: Any, end: float) -> FloatArray:
-        """Deflections of the nodes in static axes at an instant, from a line that is not bent, for
-        angle, speed and acceleration of the rotation by time."""
-        count = len(self.along)
-        ends = [self.shapes[[column(node, 0), column(node, 1)]] for node in PLACES]
+    def motion(self, turned: Any, times: tuple[float, float], start: FloatArray) -> FloatArray:
+        """Coordinates and velocities at the second time, for angle, speed and acceleration of the
+        rotation by time."""
+        ends, at_hub = [self.deflection(node) for node in PLACES], self.deflection(HUB)
 
         def rate(time: float, state: FloatArray) -> FloatArray:
             angle, speed, acceleration = turned(time)
@@ -165,7 +175,6 @@ class Whole:
             force = square * self.along + acceleration * self.euler - stiffness @ x
             force = force - self.gyroscopic @ (speed * v + 0.5 * acceleration * x)
             force = force + self.uniform @ (turn.T @ [0.0, -GRAVITY])
-            at_hub = self.shapes[[column(HUB, 0), column(HUB, 1)]]
             force = force + UNBALANCE * at_hub.T @ [square, -acceleration]
             for rows, spring, damper in zip(ends, SPRINGS, DAMPERS, strict=True):
                 place, moved = rows @ x, rows @ v + speed * SPIN @ (rows @ x)
@@ -173,11 +182,14 @@ class Whole:
                 force = force - rows.T @ (turn.T @ pull)
             return np.concatenate([v, force])
 
-        start, square = np.zeros(2 * count), turned(0.0)[1] ** 2
-        stiffness = self.still + square * (self.square + square * self.fourth)
-        start[:count] = np.linalg.solve(stiffness, square * self.along)
-        found = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-9, atol=1e-15)
-        return np.asarray(self.nodes(found.y[:count, -1]) @ la.expm(turned(end)[0] * SPIN).T)
+        found = solve_ivp(rate, times, start, method="DOP853", rtol=1e-9, atol=1e-15)
+        return np.asarray(found.y[:, -1])
+
+    def nodes(self, state: FloatArray, angle: float) -> FloatArray:
+        """Deflections of the nodes in static axes, (nodes, 2)."""
+        x = np.split(state, 2)[0]
+        moved = np.array([self.deflection(node) @ x for node in range(NODES)])
+        return np.asarray(moved @ la.expm(angle * SPIN).T)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +214,9 @@ def test_the_march_is_the_motion_of_the_unreduced_rotor(
         each = course.angle(time), course.speed(time), course.acceleration(time)
         return float(each[0]), float(each[1]), float(each[2])
 
-    exact = Whole().motion(turned, end)
+    plain = Whole(fan(), stage.speed)
+    state = plain.motion(turned, (0.0, end), plain.steady(turned(0.0)[1]))
+    exact = plain.nodes(state, turned(end)[0])
     found = [marched(stage, step, end) for step in (1e-6, 5e-7)]
     moved = [chunk.shaft_displacement[-1, :, :2] for chunk in found]
     assert max(map(ledger_residual, found)) < 1e-9
@@ -210,3 +224,103 @@ def test_the_march_is_the_motion_of_the_unreduced_rotor(
     scale = np.abs(exact).max()
     assert np.abs(moved[1] - exact).max() < 5e-5 * scale
     assert np.abs(corrected - exact).max() < 5e-5 * scale
+
+
+def remaining(part: Any) -> Any:
+    """A damaged wheel without the coordinates of what it lost."""
+    kept = remaining_dofs(part)
+    number = np.full(part.size + 1, -1)
+    number[kept] = np.arange(len(kept))
+    select = sp.csr_array(sp.eye_array(part.size))[:, kept]
+    dofs = {name: number[getattr(part, name)] for name in ("contact_dofs", "hub_dofs")}
+    return replace(part, **part.projected(select), **dofs)
+
+
+@pytest.mark.parametrize("speed", [600.0, 1800.0])
+def test_the_loss_of_a_blade_is_that_of_the_unreduced_rotor(speed: float, folder: Path) -> None:
+    """Below and above the first critical speed, with the moment of a blade that leans forward."""
+    lost_at, end, step = 2e-4, 1.2e-3, 5e-7
+    loss = {"blade": 4, "time": lost_at, "damaged": {"file": str(folder / "damaged.npz")}}
+    march = {
+        **{"speed": f"{speed} rad/s", "time_step": step, "duration": end},
+        "displacement_limit": 1.0,
+    }
+    case = fan_case(folder, march, gravity={"start": "unbent"}, blade_loss=loss)
+    chunk = marched(stage_of(case), step, end)
+
+    def turned(time: float) -> tuple[float, float, float]:
+        return speed * time, speed, 0.0
+
+    plain, after = Whole(fan(), speed), Whole(remaining(damaged()), speed)
+    state = plain.motion(turned, (0.0, lost_at), plain.steady(speed))
+    kept = np.searchsorted(
+        inner_dofs(fan()), np.setdiff1d(remaining_dofs(damaged()), fan().hub_dofs)
+    )
+    kept = np.concatenate([kept, np.arange(fan().size - 6, len(plain.mass))])
+    moved = (plain.shapes @ np.split(state, 2)[0], plain.shapes @ np.split(state, 2)[1])
+    start = np.concatenate([after.shapes.T @ (after.mass @ each[kept]) for each in moved])
+    exact = after.nodes(after.motion(turned, (lost_at, end), start), speed * end)
+    found = chunk.shaft_displacement[-1, :, :2]
+    assert np.abs(found - exact).max() < 1e-4 * np.abs(exact).max()
+    assert ledger_residual(chunk) < 1e-9
+    assert not chunk.contact_force.any()
+
+
+def test_a_damaged_wheel_must_fit_the_case(folder: Path) -> None:
+    march = {"speed": "900 rad/s", "time_step": 1e-6, "duration": 1e-3}
+    loss: dict[str, Any] = {"blade": 3, "time": 1e-4}
+    with pytest.raises(CaseError, match=r"blade_loss.damaged: expected the file of the damaged"):
+        fan_case(folder, march, blade_loss=loss)
+    loss["damaged"] = {"file": str(folder / "damaged.npz")}
+    with pytest.raises(CaseError, match=r"blade_loss.blade = .*the damaged wheel lacks: 4"):
+        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
+    loss["damaged"] = {"file": str(folder / "sector.npz")}
+    with pytest.raises(CaseError, match=r"blade_loss.damaged.file = .*coordinates of the whole"):
+        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
+
+
+def test_a_wheel_pressed_into_a_cone_is_in_balance(folder: Path) -> None:
+    """Without rotation and friction, under a large acceleration across the axis: forces of walls,
+    bearings, axial spring and masses, and their moments about the start of the shaft."""
+    acceleration = np.array([900.0, -3000.0])
+    bearings = [
+        {"position": 0.0, "stiffness": 2e7, "damping": 2e4},
+        {"position": 0.4, "stiffness": 1e7, "damping": 1e4},
+    ]
+    line = {"bearings": bearings, "unbalance": [], "loss_time": 2e-4}
+    line |= {"wheel": {"position": 0.6, "damping_ratio": 0.2}}
+    stage = stage_of(
+        fan_case(
+            folder,
+            {"speed": "0 rad/s"},
+            shaft_line=line,
+            gravity={"start": "unbent", "acceleration": acceleration.tolist()},
+            casing={"type": "rigid", "clearance": 2e-4, "slope": 0.3},
+            contact={"friction": 0.0},
+            reduction={"free_interface_modes": 24},
+        )
+    )
+    chunk = marched(stage, 5e-6, 0.35, 1000)
+    assert ledger_residual(chunk) < 1e-10
+    radial, tangential, along = chunk.contact_force[-1].T
+    touching = radial < 0.0
+    assert 0 < np.count_nonzero(touching) < len(radial)
+    np.testing.assert_allclose(along[touching] / -radial[touching], np.tan(0.3), rtol=1e-9)
+    angle, radius = stage.angle.ravel(), stage.part.contact_radius
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    z = 0.6 + stage.part.contact_position[:, 2] + 0.005
+    turn = radial + 1j * tangential
+    force = np.stack([(turn * np.exp(1j * angle)).real, (turn * np.exp(1j * angle)).imag, along])
+    wheel, shaft = stage.line.wheels[0], RHO * np.pi / 4.0 * 0.04**2 * 0.6
+    weight = (wheel.mass + shaft) * acceleration
+    held, places = chunk.bearing_force[-1], np.array([0.0, 0.4])
+    total = force[:2].sum(axis=1) + held.sum(axis=0) + weight
+    assert np.abs(total).max() < 1e-4 * np.abs(weight).max()
+    spring = -5e7 * chunk.shaft_displacement[-1, 0, 2]
+    assert abs(spring + along.sum()) < 0.01 * along.sum()  # its vibration decays slowly
+    arm = wheel.mass * (0.6 + wheel.offset) + shaft * 0.3
+    about_y = (z * force[0] - x * along).sum() + places @ held[:, 0] + arm * acceleration[0]
+    about_x = (y * along - z * force[1]).sum() - places @ held[:, 1] - arm * acceleration[1]
+    assert max(abs(about_x), abs(about_y)) < 1e-4 * arm * np.abs(acceleration).max()
+    tilt = chunk.shaft_displacement[-1, HUB, 3:5]
+    assert np.abs(tilt).min() > 1e-5
