@@ -241,7 +241,7 @@ def build_line(case: Case) -> LineStage:
         reference_frequency=line.reference_frequency,
         kept=KeptModes(
             rotor=np.arange(2 * len(reduced.squares)),
-            casing=np.arange(supports),
+            casing=np.arange(2 * line.table.supports),
             coupled=None,
             springs=None,
         ),

@@ -153,7 +153,8 @@ class StageOnLine(Stage):
         at all.
 
         In rotating axes the coordinates of a round rotor are then the real part of Q exp(-i Omega
-        t), and its bearings move by B Q / 2 with their rows B.
+        t), and its bearings move by B Q / 2 with their rows B. Accelerations and damping are
+        those of central differences, so that the march stays in this state.
         """
         casing, gravity, rotor = self.casing_rest, self.case.gravity, self.rotor
         if gravity is None or gravity.start == "unbent":
@@ -161,9 +162,10 @@ class StageOnLine(Stage):
         course = self.case.march.course(self.reference_frequency)
         omega = self.speed if course is None else float(course.speed(0.0))
         modes, turning = len(rotor.frequency), self.turning.rotor
-        slower = (omega - self.speed) * turning.known("gyroscopic")
-        dynamic = turning.stiffness_at(omega) - omega**2 * np.eye(modes)
-        dynamic = dynamic - 1j * omega * (rotor.damping + slower)
+        slower, step = (omega - self.speed) * turning.known("gyroscopic"), self.case.march.time_step
+        rate, square = np.sin(omega * step) / step, (2.0 * np.sin(0.5 * omega * step) / step) ** 2
+        dynamic = turning.stiffness_at(omega) - square * np.eye(modes)
+        dynamic = dynamic - 1j * rate * (rotor.damping + slower)
         supports = np.arange(len(casing) - 2 * self.line.table.supports, len(casing))
         places, moved = self.bearings.rotor, self.bearings.support[:, supports]
         waves = [1.0, 1.0j] if omega else [1.0]  # real and imaginary part of Q
