@@ -54,6 +54,7 @@ def _sign(name: str, case: bw.Case) -> str:
 def _moves(case: bw.Case) -> bool:
     """Return true if the page of an example contains a march."""
     loaded = case.excitation != bw.Case().excitation or case.casing.closure is not None
+    loaded |= case.shaft_line is not None
     return loaded or bool(case.initial.model_fields_set)
 
 
@@ -70,8 +71,12 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
     header = takewhile(lambda line: line.startswith("#"), lines)
     yield f"---\nexecuted: true\n---\n\n# {case.title}"
     yield "\n".join(line.removeprefix("#").removeprefix(" ") for line in header)
-    yield _picture(f"{name}.png", f"{case.title}: the stage")
-    yield _console(f"bladewhirl show {file} --png -o {name}.png")
+    if case.shaft_line is None:
+        yield _picture(f"{name}.png", f"{case.title}: the stage")
+        yield _console(f"bladewhirl show {file} --png -o {name}.png")
+    else:
+        yield _console(f"bladewhirl show {file}", f"bladewhirl modes {file} --count 6 -o modes")
+        yield _picture("modes/line-modes.png", "The line in its lowest modes at the speed")
     if case.rotation.effects != "none":
         yield "## Campbell diagram"
         yield _console(f"bladewhirl campbell {file} -o campbell")

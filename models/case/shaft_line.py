@@ -210,7 +210,8 @@ class ShaftLine(Table):
     acts in rotating axes, and destabilises forward whirl above its critical speed."""
     modes: Annotated[int, fields.count(2)] = 20
     """Number of modes of the line in each plane that a march keeps: static shapes of forces of the
-    bearings, and the lowest modes without bearings at rest and at the speed."""
+    bearings, and the lowest modes without bearings at rest and at the speed. With a wheel,
+    reduction.free_interface_modes is the number of modes of the whole rotor."""
 
     @property
     def end(self) -> float:

@@ -34,6 +34,8 @@ from bladewhirl.models.superelements.wheel import whole_wheel
 
 X, Y, Z, ABOUT_X, ABOUT_Y, ABOUT_Z = range(HUB)
 
+SMALL = 800  #: number of coordinates up to which all modes of a wheel are computed for its damping
+
 FREE = {"two": (X, Y), "four": (X, Y, ABOUT_X, ABOUT_Y), "six": tuple(range(HUB))}
 """Displacements of a hub that follow the shaft, by `Wheel.unknowns`."""
 
@@ -72,7 +74,7 @@ class OnLine(NamedTuple):
         None without damping."""
         if not self.damped:
             return None
-        roots = [(root_at_rest(one.wheel), one) for one in self.damped]
+        roots = [(root_at_rest(one.wheel, SMALL), one) for one in self.damped]
 
         def on(shapes: FloatArray) -> FloatArray:
             each = (2.0 * one.ratio * root(one.relative @ shapes) for root, one in roots)

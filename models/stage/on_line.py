@@ -26,6 +26,7 @@ def with_supports(wall: ReducedCasing, supports: int) -> ReducedCasing:
         nodal=np.concatenate([wall.nodal, np.zeros((*wall.nodal.shape[:2], count))], axis=2),
         column=np.concatenate([wall.column, np.full(count, -1)]),
         dampers=np.hstack([wall.dampers, np.zeros((len(wall.dampers), count))]),
+        supports=supports,
     )
 
 
@@ -88,9 +89,8 @@ class StageOnLine(Stage):
     def _support(self) -> ComplexArray:
         """Displacement x + i y of the support of each bearing for unit modal coordinates, zero
         without a support, (bearings, casing modes)."""
-        table, modes = self.line.table, len(self.casing_rest)
-        place = modes - 2 * table.supports
-        rows = np.zeros((len(table.bearings), modes), dtype=np.complex128)
+        table, place = self.line.table, self.reduced_casing.wall_modes
+        rows = np.zeros((len(table.bearings), len(self.casing_rest)), dtype=np.complex128)
         for row, bearing in zip(rows, table.bearings, strict=True):
             if bearing.support is not None:
                 row[place : place + 2] = np.array([1.0, 1.0j]) / np.sqrt(bearing.support.mass)
@@ -143,8 +143,7 @@ class StageOnLine(Stage):
         table, pulled = self.line.table, self.casing_rest
         given = [each.support for each in table.bearings if each.support is not None]
         pulls = [np.sqrt(one.mass) * np.array(self.case.gravity.acceleration) for one in given]
-        if pulls:
-            pulled[-2 * len(pulls) :] = np.concatenate(pulls)
+        pulled[self.reduced_casing.wall_modes :] = np.ravel(pulls)
         return pulled
 
     @cached_property
@@ -166,7 +165,7 @@ class StageOnLine(Stage):
         rate, square = np.sin(omega * step) / step, (2.0 * np.sin(0.5 * omega * step) / step) ** 2
         dynamic = turning.stiffness_at(omega) - square * np.eye(modes)
         dynamic = dynamic - 1j * rate * (rotor.damping + slower)
-        supports = np.arange(len(casing) - 2 * self.line.table.supports, len(casing))
+        supports = np.arange(self.reduced_casing.wall_modes, len(casing))
         places, moved = self.bearings.rotor, self.bearings.support[:, supports]
         waves = [1.0, 1.0j] if omega else [1.0]  # real and imaginary part of Q
         stretch = np.hstack([*(wave / len(waves) * places for wave in waves), -moved])

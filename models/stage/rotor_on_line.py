@@ -202,7 +202,8 @@ class RotorOnLine(StageOnLine, Matrices):
 
     @cached_property
     def shown_arrays(self) -> StageArrays:
-        shown = replace(self, reduced_casing=self.ring.reduced_casing)
+        wall, kept = self.ring.reduced_casing, np.arange(self.reduced_casing.wall_modes)
+        shown = replace(self, reduced_casing=wall, kept=replace(self.kept, casing=kept))
         arrays = super(RotorOnLine, shown).shown_arrays
         table = self.line.table
         return replace(

@@ -25,6 +25,8 @@ class ReducedCasing:
     belongs, (modes,); -1 without symmetry."""
     dampers: FloatArray
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
+    supports: int = 0
+    """Number of supports of bearings, whose displacements along x and y are the last modes."""
 
     @classmethod
     def rigid(cls, clearance: FloatArray, radius: float) -> "ReducedCasing":
@@ -46,9 +48,14 @@ class ReducedCasing:
         )
 
     @property
+    def wall_modes(self) -> int:
+        """Number of modes that move the wall."""
+        return len(self.frequency) - 2 * self.supports
+
+    @property
     def is_flexible(self) -> bool:
-        """True if the casing has modes."""
-        return len(self.frequency) > 0
+        """True if modes move the wall."""
+        return self.wall_modes > 0
 
     @property
     def angle(self) -> FloatArray:

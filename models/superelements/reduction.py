@@ -355,10 +355,10 @@ def _root_of_lowest(part: Superelement) -> Root:
     return root
 
 
-def root_at_rest(part: Superelement) -> Root:
-    """Return the root of the whole stiffness, from all modes; of more than `ALL_MODES` coordinates
-    from the lowest ones."""
-    if part.size > ALL_MODES:
+def root_at_rest(part: Superelement, most: int = ALL_MODES) -> Root:
+    """Return the root of the whole stiffness, from all modes; of more than `most` coordinates from
+    the lowest ones."""
+    if part.size > most:
         return _root_of_lowest(part)
     squares, modes = la.eigh(dense(part.stiffness), dense(part.mass))
     rows = np.maximum(squares, 0.0)[:, None] ** 0.25 * (part.mass @ modes).T

@@ -224,7 +224,8 @@ def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
     figures["ripple_rms"], about = ripple(late, "rotating")
     if not run.radius.max() > ROUNDING * tips:
         return figures
-    figures |= _largest_bearing_force(bearing_forces(dataset, orbit))
+    if "bearing_force" not in dataset:
+        figures |= _largest_bearing_force(bearing_forces(dataset, orbit))
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     return figures | {
         "whirl_frequency_rotating": rotating.frequency,

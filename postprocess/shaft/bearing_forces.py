@@ -32,8 +32,13 @@ def bearing_forces(result: xr.Dataset, orbit: xr.Dataset | None = None) -> xr.Da
         time: `force`, its magnitude [N].
 
     Raises:
-        ViewError: the shaft's centre is clamped, or does not move in the model.
+        ViewError: the shaft's centre is clamped, does not move in the model, or is that of a wheel
+            on a shaft line.
     """
+    if "bearing_force" in result:
+        raise ViewError(
+            "bearing forces: expected no shaft line; line-bearing-forces has its forces"
+        )
     shaft = table_of_result(result, "shaft", Shaft)
     if shaft.clamped or not has(result, "centre"):
         raise ViewError("bearing forces: expected a shaft on springs; its centre does not move")

@@ -246,7 +246,8 @@ class CentralDifference:
         for name, array in state.arrays.items():
             getattr(self._state, name)[...] = array
         most = steps // every + 2
-        columns = self._arrangements[1].entries if self.records_casing else 0
+        needed = self.records_casing or self._problem.casing.supports > 0
+        columns = self._arrangements[1].entries if needed else 0
         if len(self._records.step) < most or self._records.casing.shape[1] != columns:
             driven = 0 if self._problem.drive is None else most
             sizes = self._sizes() | {
@@ -304,9 +305,11 @@ class CentralDifference:
         records, (rotor, casing) = self._records, self._arrangements
         step, work = records.step[:written].copy(), records.work[:written].copy()
         varies = self._problem.change is not None
-        wall = [records.casing[:written], records.casing_velocity[:written]]
-        if self.records_casing:
-            wall = [casing.unpack(each) for each in wall]
+        modes = self._problem.casing.wall_modes if self.records_casing else 0
+        wall = [
+            casing.unpack(each[:written])[:, :modes] if modes else np.zeros((written, 0))
+            for each in (records.casing, records.casing_velocity)
+        ]
         return Chunk(
             step=step,
             time=step * self._time_step,

@@ -38,7 +38,7 @@ def pack_casing(
         friction: friction coefficient of nodes that slide in a given direction; None if friction is
             opposite to the slip velocity.
     """
-    nodes, kinds, modes = casing.nodal.shape
+    (nodes, kinds, modes), moving = casing.nodal.shape, casing.is_flexible
     if cyclic:
         arrangement, weight, shape = _cyclic_casing(casing)
         # All kinds of nodal values share one array, so that less memory is read.
@@ -69,7 +69,7 @@ def pack_casing(
             (lib.U_KIND, lib.U_SLOPE, half, aligned(clearance.shape)),
         )
     )
-    tables = _compliance(casing, dt, friction, cyclic=cyclic) if modes else np.zeros(0)
+    tables = _compliance(casing, dt, friction, cyclic=cyclic) if moving else np.zeros(0)
     return arrangement, Struct(
         "Casing",
         body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
@@ -79,8 +79,8 @@ def pack_casing(
         half=half,
         shared=cyclic,
         compliance=aligned_copy(tables.reshape(-1)),
-        spacing=1 if cyclic else nodes if nodes > 1 and modes else 0,
-        modes=modes,
+        spacing=1 if cyclic else nodes if nodes > 1 and moving else 0,
+        modes=casing.wall_modes,
         nodes=nodes,
         element_length=casing.element_length,
     )

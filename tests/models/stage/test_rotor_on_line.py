@@ -20,6 +20,7 @@ from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.rotor_on_line import RotorOnLine
 from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.models.superelements.hub import inner_dofs, remaining_dofs, rigid_motions
@@ -324,3 +325,64 @@ def test_a_wheel_pressed_into_a_cone_is_in_balance(folder: Path) -> None:
     assert max(abs(about_x), abs(about_y)) < 1e-4 * arm * np.abs(acceleration).max()
     tilt = chunk.shaft_displacement[-1, HUB, 3:5]
     assert np.abs(tilt).min() > 1e-5
+
+
+def test_a_free_tilted_rotor_keeps_its_momentum_about_the_axis(folder: Path) -> None:
+    """Without bearings and with a free speed, which the tilt changes; the drive has an inertia."""
+    march = {"speed": "600 rad/s", "drive": {"inertia": 0.02}, "displacement_limit": 1.0}
+    wide: dict[str, Any] = {"casing": {"type": "rigid", "clearance": 0.5}}
+    wide |= {"shaft_line": {"unbalance": []}, "reduction": {"free_interface_modes": 40}}
+    case = fan_case(folder, march, **wide)
+    stage = stage_of(case)
+    problem = contact_problem(stage)
+    assert problem.bearings is not None
+    nothing = 0.0 * problem.bearings.stiffness
+    free = replace(problem.bearings, stiffness=nothing, damping=nothing)
+    rigid = np.flatnonzero(stage.rotor.frequency < 0.0)
+    arm = np.linspace(-0.3, 0.3, NODES)[:, None] * [1.0, 0.0] + [0.0, 1.0]
+    tilted = (0.02 + 0.01j) * arm
+    rows = stage.line_nodes[:, :, rigid].reshape(-1, len(rigid))
+    rows, moved = (
+        np.concatenate([each.real, each.imag]) for each in (rows, tilted.ravel().astype(complex))
+    )
+    start = stage.rotor_rest
+    start[rigid] = np.linalg.lstsq(rows, moved)[0]
+    begin = Start.of_rotor(start, stage.rotor_rest, 0)
+    scheme = make_scheme(replace(problem, start=begin, bearings=free), 2e-6, 100)
+    chunk = scheme.advance(scheme.init(), 10001)[1]
+    momentum = chunk.angular_momentum
+    assert np.ptp(chunk.rotation_speed) > 1e-4 * stage.speed
+    assert np.ptp(momentum) < 1e-10 * abs(momentum[0])
+    total = chunk.energy + chunk.rotor_energy
+    assert np.ptp(total) < 1e-5 * abs(total[0])  # Coriolis forces half a step late, see `speed.h`
+
+
+def test_supports_move_beside_a_flexible_casing(folder: Path) -> None:
+    """Masses of supports under the forces of bearings, springs and dampers, in a rub."""
+    bearings = [
+        dict(row, support={"mass": 4.0, "stiffness": 5e7, "damping": 1e3}) for row in BEARINGS
+    ]
+    casing = {"type": "ring", "elements": 20, "clearance": 1e-4, "support": "20 N/mm2"}
+    case = fan_case(
+        folder,
+        {"speed": "600 rad/s", "time_step": 1e-6, "duration": 5e-3},
+        shaft_line={"bearings": bearings},
+        casing=casing | {"wall": {"width": "60 mm", "thickness": "6 mm"}},
+        contact={"sliding": "full"},
+        reduction={"free_interface_modes": 40},
+        gravity={},
+    )
+    stage = stage_of(case)
+    chunk = marched(stage, 1e-6, 5e-3)
+    assert ledger_residual(chunk) < 1e-9
+    assert chunk.casing_displacement.shape[1] == stage.casing_modes.count
+    assert chunk.contact_force.any()
+    assert np.abs(chunk.casing_displacement[-1]).max() > 0.0
+    # the support feels its bearing and its own spring and damper: acceleration by differences
+    place, force = chunk.support_displacement[:, 0], chunk.bearing_force[:, 0]
+    step = 1e-5
+    rate = (place[2:] - place[:-2]) / (2.0 * step)
+    curve = (place[2:] - 2.0 * place[1:-1] + place[:-2]) / step**2
+    own = 4.0 * curve + 1e3 * rate + 5e7 * place[1:-1] + force[1:-1]
+    own[:, 1] += 4.0 * GRAVITY
+    assert np.abs(own).max() < 2e-3 * np.abs(force).max()
