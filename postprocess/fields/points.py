@@ -68,6 +68,9 @@ class Points:
     lost_from: float = np.inf  #: time from which blades are lost [s]
     lost: IntArray = absent()  #: points that are lost (lost,)
     cut: IntArray = absent()  #: point at the fracture that is nearest to each of them (lost,)
+    modulus: Array = field(default_factory=lambda: np.zeros(0))
+    """Young's modulus of beams at their stations (line, station), or at the points of a copy (point
+    of a copy,) [Pa]; empty if it is not known."""
     thickness: Array = field(default_factory=lambda: np.zeros((0, 1)))
     """Thickness of beams at their stations (line, station) [m]."""
     ends: IntArray = absent()  #: stations at tips, among all stations of all beams
@@ -169,6 +172,7 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
             "bending-strain": Recovered("bending strain", "m/m", True, recovered("bending-strain")),
             "stress": Recovered("surface stress", "Pa", True, recovered("stress")),
         },
+        modulus=rotor_sections(dataset, "young_modulus", pieces),
         thickness=rotor_sections(dataset, "thickness", pieces),
         ends=stations * beams + np.where(end == 1, stations - 1, 0),
         drawn_back=lambda records: drawn_back(dataset, records, pieces),
@@ -218,6 +222,7 @@ def _of_solids(dataset: xr.Dataset) -> Points:
         copy_angle=angle,
         centre=dataset["centre_shape"].values if has(dataset, "centre") else np.zeros((2, modes)),
         contact=KDTree(rest).query(nodes)[1],
+        modulus=dataset.get("point_young_modulus", xr.DataArray([])).values,
         recovered=recovered,
         **lost,
     )

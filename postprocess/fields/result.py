@@ -74,7 +74,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
             for name, variable in {**schema.HISTORY, **table}.items()
             if not variable.part and schema.OF_WHEEL.intersection(variable.dimensions)
         }
-    dataset = completed(dataset.assign(empty))
+    dataset = completed(dataset.assign(empty) if empty else dataset)
     indices = {
         name: (name, schema.index_values(name, dataset.sizes[name]), variable.attributes)
         for name, variable in schema.NAMES.items()
@@ -172,14 +172,17 @@ def completed(dataset: xr.Dataset) -> xr.Dataset:
         for name, each in known.items()
         if name not in dataset
     }
-    complete = dataset.assign(found)
     if "rotor_displacement" in dataset and "contact_displacement" not in dataset:
-        motion = _ContactMotion(dataset.variables["rotor_displacement"], tip_rows(complete))
+        rows = np.swapaxes(known["contact_shape"], 0, 1)  # of the one copy
+        if "contact_shape" in dataset:
+            rows = tip_rows(dataset)
+        motion = _ContactMotion(dataset.variables["rotor_displacement"], rows)
         lazy, variable = indexing.LazilyIndexedArray(motion), schema.RESULT["contact_displacement"]
-        moved = xr.Variable(variable.dimensions, lazy, variable.attributes)
-        complete = complete.assign(contact_displacement=moved)
-    added = complete.variables.keys() - _stored(dataset).variables.keys()
-    return complete.assign_attrs({DERIVED: " ".join(sorted(map(str, added)))})
+        found["contact_displacement"] = xr.Variable(variable.dimensions, lazy, variable.attributes)
+    added = {*str(dataset.attrs.get(DERIVED, "")).split(), *found}
+    complete = dataset.assign(found)  # a new Dataset, also its attributes
+    complete.attrs[DERIVED] = " ".join(sorted(added))
+    return complete
 
 
 def _stored(dataset: xr.Dataset) -> xr.Dataset:

@@ -11,8 +11,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
-from bladewhirl.postprocess.fields.netcdf import has
-from bladewhirl.postprocess.fields.strains import rotor_sections
+from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.run.summary import Summary
 
 ELASTIC = 5e-3  #: strain above which no metal is elastic
@@ -46,13 +45,8 @@ def _of_stress(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
     peak = (summary.stress_max or {}).get("bladed_disk")
     if peak is None or summary.yield_strength is not None:
         return ()
-    if has(result, "lines"):
-        moduli = rotor_sections(result, "young_modulus", 1)
-    elif "point_young_modulus" in result:
-        moduli = result["point_young_modulus"].values
-    else:
-        return ()
-    strain = abs(peak["stress"]) / float(moduli.max())
+    largest = float(points_of(result, 1).modulus.max(initial=0.0))
+    strain = abs(peak["stress"]) / largest if largest else 0.0
     if strain <= ELASTIC:
         return ()
     return (
@@ -65,11 +59,11 @@ def _of_stress(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
 
 def _drawn_back(result: xr.Dataset) -> str:
     """Return the end of the hint: the distance by which tips drew back."""
-    if not has(result, "lines"):
-        return ""
     try:
+        if not points_of(result, 1).flat:
+            return ""
         drawn = handy(largest_drawback(result), "m", 4)
-    except ViewError:  # tips that end no beam
+    except ViewError:  # no points, or tips that end no beam
         return ""
     contact = table_of_result(result, "contact", Contact)
     if contact.foreshortening:

@@ -117,10 +117,12 @@ CONVERGENCE: Mapping[str, Variable] = _read("convergence")
 """Measures of a run in a study of convergence."""
 
 
+_PARTS = {name: each.part for name, each in {**SWEEP, **COATING, **STAGE}.items()}
+
+
 def parts_of(names: Iterable[str]) -> set[str]:
     """Return the parts, see `Variable.part`, of a stage whose result or sweep has these names."""
-    known = {**SWEEP, **COATING, **STAGE}
-    return {known[name].part for name in names if name in known} | {""}
+    return {_PARTS[name] for name in names if name in _PARTS} | {""}
 
 
 def index_values(name: str, size: int) -> NDArray[np.int64] | NDArray[np.object_]:
