@@ -15,6 +15,7 @@ from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.volumes import VolumeMesh, merged, read_volume_mesh, without_cells
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import Hint
+from bladewhirl.models.inputs.progress import report
 from bladewhirl.models.inputs.units import RAD_PER_S, finite, rotation, to_si
 from bladewhirl.models.solids.assembly import Measure, Solid, stiffness_by_rotation
 from bladewhirl.models.solids.elements import ELEMENTS
@@ -199,6 +200,7 @@ def mesh3d(
         raise invalid("mass_quadrature", mass_quadrature, '"full" or "reduced"')
     if stiffening not in (None, *get_args(Measure)):
         raise invalid("stiffening", stiffening, '"prestress", "stress" or None')
+    report("reading the mesh")
     volumes, notes = _merged(_scaled(mesh, length_unit, axis, outside_files), merge)
     if stiff := [name for name, _ in volumes.blocks if ELEMENTS[name].first_order]:
         names = " and ".join(stiff)
@@ -272,6 +274,7 @@ def mesh3d(
         text = f"{', '.join(volumes.ignored)} of {volumes.name} are not read: expected solids only"
         text += "; bladewhirl import reads the matrices of CalculiX, which contain them"
         warnings.warn(text, Hint, stacklevel=2)
+    report("matrices of the elements")
     given = {"young_modulus": young_modulus, "poisson_ratio": poisson_ratio, "density": density}
     materials = materials_of(volumes, given, length_unit, mass_unit)
     try:
@@ -286,6 +289,7 @@ def mesh3d(
     load[nodes, :2] = mass[nodes, nodes] @ solid.points[:, :2]
     recovered: dict[str, Any] = {}
     if stress:
+        report("recovery of stress")
         rows, *constants = nodal_stress(solid, shown, materials)
         recovered = {
             "stress_recovery": sp.csr_array(rows @ select),
@@ -342,6 +346,7 @@ def mesh3d(
         text = "the stiffness at speed is left out: it is not computed for solids with rigid bodies"
         warnings.warn(text, Hint, stacklevel=2)
         return part
+    report("stiffness at speed")
     held = hub_freed(part)
     tie = select[:, : held.size]
     tie = tie if sides is None else tie @ transformation(held, sides[2], 0)

@@ -14,11 +14,6 @@ lowest frequency w of the other modes.
 
 import logging
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
-from dataclasses import dataclass, field
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -26,6 +21,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs import progress
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.machine import memory
 from bladewhirl.models.superelements.cholesky import Cholesky
@@ -69,29 +65,8 @@ at most the second one and no less than the step before, which is then a roundin
 
 TINY = np.finfo(np.float64).tiny
 
-Progress = Callable[[int, int], None]
-"""Callback; its arguments are the number of finished solutions and the number of all solutions."""
-
-
-@dataclass
-class _Watch:
-    update: Progress
-    total: int = 0
-    done: int = 0
-    lock: Lock = field(default_factory=Lock)  #: nodal diameters are computed in threads
-
-
-_watch: ContextVar[_Watch | None] = ContextVar("watch", default=None)
-
-
-@contextmanager
-def reduction_progress(update: Progress) -> Iterator[None]:
-    """Call `update` after the solutions of all reductions inside this context."""
-    token = _watch.set(_Watch(update))
-    try:
-        yield
-    finally:
-        _watch.reset(token)
+ACTIVITY, NOUN = "reducing the superelement", "solutions of the reduction"
+"""Activity whose progress is reported, and its items."""
 
 
 def lanczos_vectors(modes: int) -> int:
@@ -127,9 +102,7 @@ def announce(
     numbers = 1 if waves == 1 else 2
     vectors = lanczos_vectors(modes)
     solves, entries = (vectors + loads) * waves, FILL * coordinates ** (4.0 / 3.0)
-    if (watch := _watch.get()) is not None:
-        watch.total += solves
-        watch.update(watch.done, watch.total)
+    progress.count(ACTIVITY, expected=solves, noun=NOUN)
     # Factor and fronts; then for each worker a Schur complement with its factor and the vectors.
     of_worker = numbers * (2 * coordinates * vectors + faces**2)
     needed = 8.0 * ((1 + tied) * 1.3 * entries + 2.0 * faces**2 + workers * of_worker)
@@ -172,10 +145,7 @@ class Pencil(ABC):
     def solve(self, loads: Any) -> Any:
         """Return (K + s M)^-1 f for columns of loads, (n, m), and count the solutions."""
         found = self.shifted_solution(loads)
-        if (watch := _watch.get()) is not None:
-            with watch.lock:
-                watch.done = min(watch.done + loads.shape[1], watch.total)
-                watch.update(watch.done, watch.total)
+        progress.count(ACTIVITY, finished=loads.shape[1], noun=NOUN)
         return found
 
     def lowest(self, count: int) -> tuple[FloatArray, Any]:

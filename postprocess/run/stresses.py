@@ -23,6 +23,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import KDTree
 
+from bladewhirl.models.inputs.progress import tracked
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count, blade_length
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
@@ -316,7 +317,7 @@ def _solid(dataset: xr.Dataset, points: Points) -> _Body:
     mean[:, points.lost.astype(np.int64)] = np.nan
 
     def values() -> Iterator[tuple[slice, _Portion]]:
-        for read in portions(dataset, stresses.together):
+        for read in tracked("stresses", [*portions(dataset, stresses.together)]):
             records = np.arange(read.start, read.stop)
             terms = stresses.terms_at(records)
             size = stresses.at(records, terms)[:, order].T

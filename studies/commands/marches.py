@@ -17,7 +17,6 @@ from bladewhirl.studies.commands.terminal import (
     hints_at_once,
     interruptible,
     progress_bar,
-    reduction_bar,
 )
 from bladewhirl.studies.runs.columns import Column, facts, rows_of, table
 
@@ -88,7 +87,6 @@ def run(
     with (
         options.case_of(source, overrides) as read,
         progress_bar("preparing") as update,
-        reduction_bar(),
         hints_at_once() as shown,
         interruptible(f"bladewhirl run --resume {folder} continues", folder / RESULT_NAME),
     ):
@@ -103,7 +101,7 @@ def run(
             nonlocal begun
             begun = begun or time.monotonic()
             passed = time.monotonic() - begun
-            rate = f"  {done / passed:,.0f} steps/s" if passed else ""
+            rate = f"  {done / passed:,.0f} steps/s" if passed > 1.0 else ""
             reached = f"{done * step:.4f} of {total * step:g} {unit}"
             update(done, total, label=activity, text=reached + rate)
 

@@ -15,7 +15,6 @@ from bladewhirl.studies.commands.terminal import (
     emit,
     name_written,
     progress_bar,
-    reduction_bar,
 )
 
 if TYPE_CHECKING:
@@ -267,7 +266,6 @@ def response(
     given = speeds.speeds
     with (
         options.case_of(case, overrides) as read,
-        reduction_bar(),
         progress_bar("speeds", lines="speeds", quiet=QUIET) as progress,
     ):
         if draws is None:
@@ -407,7 +405,7 @@ def _model(
 ) -> ModalModel:
     """Return bladed disk and casing of a case file with changes, in their modes, for the speeds of
     an option; `numbers` are those of `modal_model`."""
-    with options.case_of(case, overrides) as read, reduction_bar():
+    with options.case_of(case, overrides) as read:
         from bladewhirl.models.stage.modal import modal_model
         from bladewhirl.studies.runs.properties import speed_hint
 

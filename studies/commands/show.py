@@ -10,7 +10,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands import options
-from bladewhirl.studies.commands.terminal import emit, reduction_bar
+from bladewhirl.studies.commands.terminal import emit
 from bladewhirl.studies.runs.columns import Column, facts, table, texts
 
 if TYPE_CHECKING:
@@ -124,8 +124,7 @@ def show(
         from bladewhirl.models.stage.hints import stage_hints
         from bladewhirl.studies.runs.properties import speed_hint, stage_properties
 
-        with reduction_bar():
-            stage = build_stage(checked)
+        stage = build_stage(checked)
         if faults := list(time_step_faults(stage)):
             raise CaseError(faults)
         derived = stage_properties(stage)

@@ -12,6 +12,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from contextvars import ContextVar
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
@@ -22,14 +23,18 @@ import typer
 from typer.core import TyperGroup
 
 from bladewhirl.models.inputs.errors import Hint, UserError
+from bladewhirl.models.inputs.progress import listening
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import Progress
     from rich.table import Table
 
 LINES = 10  #: number of lines in a log for a complete job
 
 QUIET = 2.0  #: time in which analyses before a march write no lines of progress [s]
+
+WORKING = "working"  #: activity of a command that reports no other one
 
 RATE_PERIOD = 3600.0  #: time over which the rate of progress is averaged [s]
 
@@ -100,61 +105,121 @@ def _console() -> Console:
     return Console(stderr=True)
 
 
-@contextmanager
-def reduction_bar() -> Iterator[None]:
-    """Show a bar while a large superelement is reduced; the bar begins with the first progress."""
-    from bladewhirl.models.superelements.solver import reduction_progress
-
-    with ExitStack() as stack:
-        label, noun = "reducing the superelement", "solutions of the reduction"
-        bar = cache(lambda: stack.enter_context(progress_bar(label, lines=noun, quiet=QUIET)))
-        stack.enter_context(reduction_progress(lambda done, total: bar()(done, total)))
-        yield
+_bar: ContextVar[_Bar | None] = ContextVar("bar", default=None)
+"""Bar that is shown; a terminal shows one at a time."""
 
 
 @contextmanager
 def progress_bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator[Update]:
-    """Show a bar that disappears at the end of the job.
+    """Show a bar until the end of a job, also with the progress of computations inside it that
+    report some; inside another one the same bar shows this job for its time.
 
     Args:
-        label: text before the bar.
+        label: text before the bar until there is progress.
         lines: noun of the counted items, such as "points", in the lines that are written if there
             is no terminal; if empty, no lines are written.
         quiet: time at the beginning in which no lines are written [s].
     """
-    from rich import progress as bars
-
-    console = _console()
-    terminal = console.is_terminal
-    last, start = (0, -1), monotonic()  # total, tenth
-    with bars.Progress(
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.TextColumn("{task.fields[text]}"),
-        bars.TimeRemainingColumn(),
-        bars.TextColumn("left"),
-        console=console,
-        transient=True,
-        disable=not terminal,
-        speed_estimate_period=RATE_PERIOD,
-    ) as bar:
-        task = bar.add_task(label, total=None, text="")
+    with ExitStack() as stack:
+        outer = _bar.get()
+        bar = outer or stack.enter_context(_opened())
+        before = bar.label
+        token = _bar.set(bar)
+        stack.callback(_bar.reset, token)
+        begun, logs = monotonic(), dict[str, _Log]()
 
         def update(
             done: int, total: int, *, label: str = "", text: str = "", failed: int = 0
         ) -> None:
-            nonlocal last
             failures = f", {failed} failed" if failed else ""
-            text = (text or f"{done / max(total, 1):4.0%}") + failures
-            bar.update(task, completed=done, total=total, description=label or None, text=text)
-            tenth = (total, LINES * done // max(total, 1))
-            late = monotonic() - start >= quiet
-            if lines and not terminal and done and tenth != last and late:
-                last, left = tenth, bar.tasks[0].time_remaining
-                remaining = f", {timedelta(seconds=round(left))} left" if left else ""
-                typer.echo(f"{done} of {total} {lines}{failures}{remaining}", err=True)
+            bar.show(label or bar.label, done, total, text + failures)
+            if lines and bar.shown is None:
+                logs.setdefault(lines, _Log(lines, begun + quiet)).write(done, total, failures)
 
+        def heard(activity: str, done: int, total: int, noun: str) -> None:
+            bar.show(*((label,) if 0 < total <= done else (activity, done, total)))
+            if noun and bar.shown is None:
+                logs.setdefault(noun, _Log(noun, begun + QUIET)).write(done, total)
+
+        stack.enter_context(listening(heard))
+        bar.show(label)
         yield update
+        bar.show(before)
+
+
+class _Log:
+    """Lines of progress of one kind of items, one after each tenth of the work."""
+
+    def __init__(self, noun: str, begin: float) -> None:
+        self.noun, self.begin = noun, begin
+        self.start, self.first = monotonic(), 0
+        self.last = 0, -1  #: number of all items, and of tenths, of the last line
+
+    def write(self, done: int, total: int, failures: str = "") -> None:
+        """Write a line if another tenth is finished and lines have begun."""
+        now = monotonic()
+        if total != self.last[0] or done < self.first:  # another job
+            self.start, self.first, self.last = now, done, (total, -1)
+        tenth = total, LINES * done // max(total, 1)
+        if not done or tenth == self.last or now < self.begin:
+            return
+        self.last = tenth
+        each = (now - self.start) / max(done - self.first, 1)
+        left = round(each * (total - done))
+        remaining = f", {timedelta(seconds=left)} left" if left else ""
+        typer.echo(f"{done} of {total} {self.noun}{failures}{remaining}", err=True)
+
+
+class _Bar:
+    """The bar of a terminal; nothing is shown where there is none."""
+
+    def __init__(self, shown: Progress | None) -> None:
+        self.shown = shown
+        self.label = ""
+        self.total = 0
+        self._task = None if shown is None else shown.add_task("", total=None, text="", left="")
+
+    def show(self, label: str, done: int = 0, total: int = 0, text: str = "") -> None:
+        """Show an activity with its finished items, and with an estimate of the time that is left
+        if the number of all items is known and some are not finished."""
+        total = total if done < total else 0
+        other = (label, total) != (self.label, self.total)
+        self.label, self.total = label, total
+        if self.shown is None or self._task is None:
+            return
+        if other:  # the rate is that of this activity
+            self.shown.reset(self._task, total=total or None, completed=done)
+        share = f"{done / total:4.0%}" if total else ""
+        self.shown.update(
+            self._task,
+            completed=done,
+            description=label,
+            text=text or share,
+            left="left" * bool(total),
+        )
+
+
+@contextmanager
+def _opened() -> Iterator[_Bar]:
+    """Show a bar on standard error, if it is a terminal."""
+    if not sys.stderr.isatty():
+        yield _Bar(None)
+        return
+    from rich import progress as bars
+
+    with bars.Progress(
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.TextColumn("{task.fields[text]}"),
+        bars.TimeElapsedColumn(),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("{task.fields[left]}"),
+        console=_console(),
+        transient=True,
+        redirect_stdout=sys.stdout.isatty(),
+        speed_estimate_period=RATE_PERIOD,
+    ) as shown:
+        yield _Bar(shown)
 
 
 @contextmanager
@@ -178,12 +243,14 @@ def hints_at_once() -> Iterator[set[str]]:
 
 
 class UserErrorGroup(TyperGroup):
-    """Group of commands that print a `UserError` on standard error, without a traceback."""
+    """Group of commands that show their progress from the start, and print a `UserError` on
+    standard error, without a traceback."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         try:
-            return super().invoke(ctx)
+            with progress_bar(WORKING):
+                return super().invoke(ctx)
         except UserError as error:
             for line in error.lines:
                 typer.echo(line, err=True)

@@ -13,6 +13,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.progress import tracked
 from bladewhirl.models.modal.labels import LabelledModes, families_at_speed
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.structure.waves import REAL, Waves
@@ -101,7 +102,10 @@ def dataset_at_speed(
     reference = stage.reference_frequency
     line = np.linspace(*speeds, LINE_SPEEDS)
     omegas = line * reference
-    spectra = {k: np.array([w.frequencies(omega) for omega in omegas]) for k, w in disk.items()}
+    spectra = {
+        k: np.array([w.frequencies(omega) for omega in omegas])
+        for k, w in tracked("frequencies over the speed", disk.items())
+    }
     branches = [
         (k, branch_names(waves_of_k, names[k], omegas[0], way == "backward")[rank], name, way, w)
         for k, waves_of_k in disk.items()

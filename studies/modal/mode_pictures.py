@@ -5,19 +5,19 @@ Modes are named as on the command line: "1F:1", "suspension", "casing:1F:2", or 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.progress import track
 
 from bladewhirl.files import claim
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.mode_names import CASING
+from bladewhirl.models.inputs.progress import report
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.modes import ListedModes
@@ -112,17 +112,14 @@ def plan_pictures(
 def draw_modes(
     stage: ModalModel, plan: PicturePlan, folder: Path, *, overwrite: bool = False
 ) -> None:
-    """Draw mode shapes, contact scenarios and films into a folder, with a progress bar.
+    """Draw mode shapes, contact scenarios and films into a folder.
 
     Raises:
         UserError: a file cannot be written, or exists and was not written by bladewhirl.
     """
     figures = dict(_shapes(stage, plan.shapes)) | dict(_scenarios(stage))
     save_figures(folder, figures, overwrite=overwrite)
-    console = Console(stderr=True)
-    for mode, wave in track(
-        plan.films, "films", console=console, transient=True, disable=not console.is_terminal
-    ):
+    for mode, wave in plan.films:
         _film(stage, mode, wave, folder, overwrite=overwrite)
 
 
@@ -221,8 +218,17 @@ def _film(
     with writing(folder):
         claim(folder, [film.name], overwrite=overwrite)
         frame = "static" if on_casing else "rotating"
-        render_animation(motion, film, np.arange(motion.sizes["time"]), frame=frame)
-        export_vtk(motion, folder / f"{stem}-vtk", frames=PICTURES, overwrite=overwrite)
+        drawn = partial(report, f"film of {mode.name}")
+        instants = np.arange(motion.sizes["time"])
+        render_animation(motion, film, instants, frame=frame, progress=drawn)
+        series = partial(report, f"series of {mode.name}")
+        export_vtk(
+            motion,
+            folder / f"{stem}-vtk",
+            frames=PICTURES,
+            overwrite=overwrite,
+            progress=series,
+        )
 
 
 def _chosen(stage: ModalModel, option: str, text: str) -> list[ChosenMode]:

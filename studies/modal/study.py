@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from bladewhirl.models.inputs import progress
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
@@ -35,4 +37,5 @@ class Study:
         if self.figures is not None:
             from bladewhirl.studies.runs.figures_folder import save_figures
 
+            progress.report("drawing figures")
             save_figures(folder, self.figures(), overwrite=overwrite)

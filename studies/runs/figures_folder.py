@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.files import claim
 from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.inputs.progress import tracked
 from bladewhirl.postprocess.plotting.style import FORMATS, save_figure
 
 
@@ -43,5 +44,5 @@ def save_figures(
     with writing(folder):
         files = [f"{name}.{suffix}" for name in figures for suffix in (*formats, "nc")]
         claim(folder, files, overwrite=overwrite)
-        for name, (figure, data) in figures.items():
+        for name, (figure, data) in tracked("saving figures", figures.items()):
             save_figure(figure, folder / name, data, formats)

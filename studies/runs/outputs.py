@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.progress import report as report_progress
 from bladewhirl.studies.runs import folder
 
 if TYPE_CHECKING:
@@ -170,7 +172,13 @@ def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterat
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return
-    export_vtk(result, directory, records=records, rotating=window.rotating)
+    export_vtk(
+        result,
+        directory,
+        records=records,
+        rotating=window.rotating,
+        progress=partial(report_progress, "writing the ParaView series"),
+    )
     hint = sampling_hint(result, records)
     if hint:
         yield f"{directory.name}: {hint} (--from, --to, --frames)"

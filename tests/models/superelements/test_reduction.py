@@ -8,6 +8,7 @@ from solid_meshes import STEEL
 from symmetric_cases import leaning_blade
 
 import bladewhirl as bw
+from bladewhirl.models.inputs.progress import listening
 from bladewhirl.models.superelements import solver
 from bladewhirl.models.superelements.frequencies import lowest_frequencies
 from bladewhirl.models.superelements.reduction import (
@@ -79,7 +80,7 @@ def test_the_cost_of_a_large_superelement_is_told_before_and_its_progress(
 ) -> None:
     monkeypatch.setattr(solver, "LARGE", 5)
     steps: list[tuple[int, int]] = []
-    with solver.reduction_progress(lambda done, total: steps.append((done, total))):
+    with listening(lambda _, done, total, __: steps.append((done, total))):
         massless(chain(20), 3)
     assert "Large superelement: 60 coordinates take about" in caplog.text
     assert steps == sorted(steps)

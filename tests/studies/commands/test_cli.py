@@ -1,11 +1,11 @@
 """The command line: new case files, and errors of the user's in one line each."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +16,9 @@ from typer import Exit
 from typer.main import get_command
 from typer.testing import CliRunner
 
-import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
+from bladewhirl.models.inputs.progress import tracked
 from bladewhirl.models.superelements import solver
 from bladewhirl.studies.commands import cli, marches, show, terminal
 from bladewhirl.studies.commands.cli import app
@@ -125,6 +125,7 @@ def test_help_loads_nothing_heavy() -> None:
         "postprocess.plotting.registry",
         "postprocess.pictures.choices",
         "models.inputs.errors",
+        "models.inputs.progress",
     }
     rooms = {
         "postprocess",
@@ -162,22 +163,49 @@ def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     assert line.endswith("expected a readable file (it is not a regular file)")
 
 
-def test_a_reduction_is_announced_when_it_makes_progress(monkeypatch: pytest.MonkeyPatch) -> None:
-    begun: list[str] = []
+def test_a_terminal_shows_progress_from_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the command, of the reductions and other computations inside it, and of its jobs."""
+    shown: list[tuple[str, int, int]] = []
 
-    @contextmanager
-    def bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator[Callable[..., None]]:
-        begun.append(label)
-        yield lambda *_: None
+    class Bar(terminal._Bar):
+        def show(self, label: str, done: int = 0, total: int = 0, text: str = "") -> None:
+            super().show(label, done, total, text)
+            shown.append((label, done, total))
 
-    monkeypatch.setattr(terminal, "progress_bar", bar)
-    with terminal.reduction_bar():
-        bw.build_stage(bw.Case())
-    assert begun == []
-    with terminal.reduction_bar():
+    monkeypatch.setattr(terminal, "_Bar", Bar)
+    with progress_bar("preparing"):
+        assert shown == [("preparing", 0, 0)]
         solver.announce(10, 2, 3)
         solver.MatrixPencil(np.eye(10), np.eye(10)).solve(np.ones((10, 1)))
-    assert begun == ["reducing the superelement"]
+        expected = solver.lanczos_vectors(2) + 3
+        with progress_bar("marching") as update:
+            update(3, 7)
+        assert [*tracked("figures", "ab")] == ["a", "b"]
+    reducing = ("reducing the superelement", 0, expected)
+    assert shown[1:3] == [reducing, (reducing[0], 1, expected)]
+    assert shown[3:6] == [("marching", 0, 0), ("marching", 3, 7), (reducing[0], 0, 0)]
+    assert shown[6:9] == [("figures", 0, 2), ("figures", 1, 2), ("preparing", 0, 0)]
+
+
+@pytest.mark.parametrize("command", ["modes", "campbell"])
+def test_a_bar_on_a_terminal_leaves_the_output_as_it_is(tmp_path: Path, command: str) -> None:
+    """Standard error is a terminal, standard output is a file."""
+    end, terminal_side = os.openpty()
+    case = tmp_path / "case.toml"
+    case.write_text("[bladed_disk]\nblades = 3\n")
+    arguments = [sys.executable, "-c", COMMAND, command, str(case), "--json"]
+    with (
+        (tmp_path / "output").open("wb") as output,
+        subprocess.Popen(arguments, stdout=output, stderr=terminal_side),
+    ):
+        os.close(terminal_side)
+        seen = b""
+        with suppress(OSError):  # the other side is closed
+            while read := os.read(end, 100_000):
+                seen += read
+        os.close(end)
+    assert json.loads((tmp_path / "output").read_text())
+    assert b"working" in seen
 
 
 @pytest.mark.parametrize(
