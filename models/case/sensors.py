@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from numbers import Real
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, Field, StrictStr, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs import fields
@@ -117,7 +117,7 @@ class StrainGauge(SensorTable):
     """Strain along the surface [m/m], relative to the state of steady rotation."""
     span: Annotated[float, BeforeValidator(_share)] | None = None
     """Position from 0 at the root to 1 at the tip, measured along the centre line of the blade.
-    Give one of span, element, gauge, point and position."""
+    Give one of span, element, gauge, point, position and group."""
     element: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
     """Number of the element of the blade, from 0 at the root; the gauge is at its middle."""
     gauge: Annotated[int, fields.count(0)] | None = Field(default=None, examples=[0])
@@ -130,11 +130,14 @@ class StrainGauge(SensorTable):
     """Position of the gauge in the axes of the mesh from which bw.mesh3d made the superelement [m],
     with direction in the same axes; the gauge is at the nearest point of the surface, which becomes
     point."""
+    group: StrictStr | None = Field(default=None, examples=['"GAUGE_1"'])
+    """Group of nodes of this mesh in place of a position: the gauge is at the point of the surface
+    that is nearest to the middle of the group."""
     direction: Annotated[tuple[float, float, float], BeforeValidator(_direction)] | None = Field(
         default=None, examples=[[1.0, 0.0, 0.0]]
     )
     """Direction of the gauge at a point: x, y and z in the axes of the file, which turn with the
-    blade; of any length. With position and without point, in the axes of the mesh."""
+    blade; of any length. With position or group and without point, in the axes of the mesh."""
     side: Literal["+theta", "-theta"] = "+theta"
     """Side of the blade with the gauge: "+theta" faces counter-clockwise, "-theta" clockwise."""
     blade: Annotated[int | Literal["all"], BeforeValidator(_blade)] = "all"

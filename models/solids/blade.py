@@ -1,5 +1,6 @@
 """Superelements of blades and sectors from meshes of solids, by `bladewhirl.mesh3d`."""
 
+import json
 import warnings
 from dataclasses import replace
 from os import PathLike
@@ -317,6 +318,7 @@ def mesh3d(
         **{key: dofs[nodes] for key, nodes in faces.items()},
         "sectors": copies,
         "mesh_axis": axis,
+        "group_places": json.dumps(_places(volumes)),
         "whole_mass": float(mass[nodes, nodes].sum()),
         "hub_dofs": None if hub is None else select.shape[1] - HUB + np.arange(HUB),
         "hub_position": centre,
@@ -436,3 +438,14 @@ def _scaled(mesh: Any, unit: str, axis: str, outside: bool) -> VolumeMesh:
         expected = f"at most {MOST_NODES} nodes; the mesh has {len(volumes.points)}"
         raise invalid("mesh", volumes.name, expected)
     return replace(volumes, points=scale * volumes.points[:, AXES[axis]])
+
+
+def _places(mesh: VolumeMesh) -> dict[str, list[float]]:
+    """Return the position of the node of each group that is nearest to their mean [m]."""
+    places = {}
+    for name, nodes in mesh.groups.items():
+        if len(nodes):
+            points = mesh.points[nodes]
+            distance = np.linalg.norm(points - points.mean(axis=0), axis=1)
+            places[name] = points[distance.argmin()].tolist()
+    return places

@@ -35,7 +35,7 @@ INTEGERS = (
     *("contact_dofs", "centre_dofs", "hub_dofs", "triangles", "left_dofs", "right_dofs"),
     *("joint_left", "joint_right"),
 )
-TEXTS = ("name", "source", "command", "mesh_axis")
+TEXTS = ("name", "source", "command", "mesh_axis", "group_places")
 UNITS = {"length_unit": "m", "mass_unit": "kg"}
 ROUNDING = 1e-9
 """Largest direction cosine that is a rounding error."""

@@ -1,5 +1,6 @@
 """A superelement: the matrices of a blade, a sector or a wheel, with its contact nodes."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -121,6 +122,9 @@ class Superelement(Rotating[Matrix]):
     name: str = "superelement"  #: name, free text
     source: str = ""  #: origin of the matrices, free text
     mesh_axis: str = "z"  #: axis of rotation of the mesh of which it was made
+    group_places: str = ""
+    """For each group of nodes of this mesh the position of the node nearest to their mean [m], x, y
+    and z in the axes of the file, by its name, as JSON."""
     command: str = ""  #: command that made the file
     whole_mass: float | None = None  #: mass with that of clamped nodes [kg], if it is known
 
@@ -135,6 +139,11 @@ class Superelement(Rotating[Matrix]):
             f'Superelement "{self.name}": {self.size} coordinates, {self.contacts} contact nodes,'
             f" {self.point_count} points"
         )
+
+    @property
+    def groups(self) -> dict[str, list[float]]:
+        """Positions of `group_places` by the name of the group."""
+        return dict(json.loads(self.group_places or "{}"))
 
     @property
     def softening(self) -> float:
@@ -207,6 +216,12 @@ def _faults(part: Superelement) -> Iterator[str]:
             yield f"{key}: expected no negative numbers on the diagonal"
     if part.mesh_axis not in ("x", "y", "z"):
         yield f"mesh_axis: expected x, y or z, got {part.mesh_axis}"
+    try:
+        sizes = {np.shape(np.asarray(place, dtype=float)) for place in part.groups.values()}
+    except (ValueError, TypeError, AttributeError):
+        sizes = {()}
+    if sizes - {(3,)}:
+        yield "group_places: expected JSON of three numbers for each name of a group"
     if part.speed is not None and not np.isfinite(part.speed):
         yield "speed: expected a finite number"
     if part.stiffness_speed4 is not None and part.stiffness_speed is None:

@@ -136,9 +136,25 @@ def test_a_gauge_at_a_position_is_at_the_nearest_point_in_the_axes_of_the_mesh(
     [hint] = gauge_hints(case.sensor, part)
     assert "is at point 17 of the surface" in hint
     assert "0.00173 mm from its position" in hint
+    del gauge["position"]
+    tables = {"bladed_disk": table, "casing": {"type": "rigid"}, "sensor": [gauge]}
+    gauge["group"] = "tip"
+    [of_group] = case_from(tables).sensor
+    assert isinstance(of_group, StrainGauge)
+    assert of_group.point is not None
+    tips = np.array(mesh.points[mesh.point_sets["tip"]])
+    middle = tips[np.linalg.norm(tips - tips.mean(axis=0), axis=1).argmin()]
+    assert part.points[of_group.point][order] == pytest.approx(middle)
+    [hint] = gauge_hints((of_group,), part)
+    assert hint.endswith(", 0 mm from its group")
+    gauge["group"] = "TOP"
+    known = ", ".join(part.groups)
+    with pytest.raises(CaseError, match=rf'sensor\[0\].group = "TOP": .*part.npz: {known}'):
+        case_from(tables)
+    gauge["group"] = "tip"
     gauge.pop("direction")
-    with pytest.raises(CaseError, match="both point or position and direction"):
-        case_from({"bladed_disk": table, "casing": {"type": "rigid"}, "sensor": [gauge]})
+    with pytest.raises(CaseError, match="both point, position or group and direction"):
+        case_from(tables)
 
 
 def test_a_gauge_at_a_position_needs_a_superelement() -> None:

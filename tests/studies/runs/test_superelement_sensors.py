@@ -74,7 +74,7 @@ def test_gauges_of_a_file_are_strained_as_its_points_move(tmp_path: Path) -> Non
         ({"type": "strain", "span": 0.1}, "span = 0.1: expected gauge in place of span"),
         (
             {"type": "strain", "span": 0.1, "gauge": 0},
-            "one of span, element, gauge, point and position",
+            "one of span, element, gauge, point, position and group",
         ),
         ({"type": "wall", "angle": 0.0}, 'type = "wall": expected another type for a rigid wall'),
         ({"type": "centre"}, 'type = "centre": expected another type for blades without'),

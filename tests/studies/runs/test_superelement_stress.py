@@ -312,12 +312,12 @@ def test_gauges_at_points_have_the_strain_of_the_stress(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("sensor", "expected"),
     [
-        ({"point": 3}, "expected both point or position and direction"),
+        ({"point": 3}, "expected both point, position or group and direction"),
         ({"point": 3, "direction": [0, 0, 0]}, "three numbers"),
         ({"point": 3, "direction": "x"}, "three numbers"),
         (
             {"point": 3, "gauge": 0, "direction": [0, 0, 1]},
-            "one of span, element, gauge, point and position",
+            "one of span, element, gauge, point, position and group",
         ),
         ({"point": 9999, "direction": [0, 0, 1]}, "a point of the file, from 0 to"),
     ],
