@@ -37,6 +37,7 @@ mesh.points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z
 mesh.point_sets = {
     "root": np.flatnonzero(u < 1e-9),
     "tip": np.flatnonzero(u > 1 - 1e-9),
+    "blade": np.flatnonzero(u > 0.3 - 1e-9),
     "left": np.flatnonzero((v < -0.5 + 1e-9) & (u < 0.3 + 1e-9)),
     "right": np.flatnonzero((v > 0.5 - 1e-9) & (u < 0.3 + 1e-9)),
 }
@@ -46,6 +47,7 @@ part = bw.mesh3d(
     poisson_ratio=0.32,
     density="4430 kg/m3",
     contacts=3,
+    blade="blade",
     left="left",
     right="right",
     copies=SECTORS,

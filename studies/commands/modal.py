@@ -263,10 +263,10 @@ def response(
     if line := _of_line(case, overrides, {"--draws": draws}, "response", speeds=speeds.values):
         present(line, case, output, overwrite=overwrite, json=json)
         return
-    given = speeds.speeds
+    given, items = speeds.speeds, "speeds" if draws is None else "patterns"
     with (
         options.case_of(case, overrides) as read,
-        progress_bar("speeds", lines="speeds", quiet=QUIET) as progress,
+        progress_bar(items, lines=items, quiet=QUIET) as progress,
     ):
         if draws is None:
             from bladewhirl.studies.modal import response as study

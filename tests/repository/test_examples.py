@@ -53,6 +53,16 @@ def test_the_script_makes_the_file(name: str) -> None:
         assert abs(getattr(made, name) - getattr(kept, name)).max() <= 1e-10 * largest
 
 
+def test_the_blades_of_the_shipped_sector_may_differ_and_have_a_stress() -> None:
+    case = read_case(ROOT / "examples" / "bladed_disk.toml")
+    case = with_values(case, {"bladed_disk.mistuning.stiffness_spread": 0.02})
+    listed = bw.modes(case, count=18)
+    assert float(listed.purity.min()) < 0.9
+    short = with_values(case, {"march.duration": 1e-3, "march.record_step": 1e-4})
+    result, _ = march_in_memory(prepare(short))
+    assert float(bw.stress_history(result)["peak_stress"].max()) > 1e5
+
+
 @pytest.fixture(scope="module", params=["fan_stage", "casing_distortion", "imbalance"])
 def full(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
     """An example at full length."""
