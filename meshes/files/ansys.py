@@ -46,7 +46,9 @@ NAMES = {
 
 CONTACT = range(169, 180)  #: numbers of the elements of contact
 
-COMMANDS = frozenset("/INP *DO *DOW *REP *USE *CRE *GO NGEN EGEN FILL NMOD NSCA".split())
+COMMANDS = frozenset(
+    "/INP *DO *DOW *REP *USE *CRE *GO NGEN EGEN FILL NMOD NSCA EDEL NDEL EMOD".split()
+)
 """First four letters of commands that read files, repeat others or change the mesh."""
 
 USED = {
@@ -71,6 +73,11 @@ HARMLESS = frozenset(
 IGNORED = (*CONTACT, *NAMES, 154, 200)
 """Numbers of elements that are left out: contact, masses and springs, loads on surfaces, and empty
 meshes."""
+
+FORMULATION = {3: "layers", 6: "mixed displacements and pressure"}
+"""KEYOPT of solids beside that of the integration which change the stiffness."""
+
+DAMPING = ("DAMP", "DMPR", "DMPS", "BETD", "ALPD")  #: constants of materials that damp
 
 HELD = "D"  #: name of the group of the nodes that the command D holds
 
@@ -116,7 +123,8 @@ def ansys_mesh(path: Path) -> SolidMesh:
                     listed = "with all nodes and elements listed"
                     raise MeshFileError(f"a file without {word}, {listed} (line {number})")
         lines = [*_canonical(lines)]
-        types, options = _element_types(lines)
+        types, keyopts = _element_types(lines)
+        options = {kind: value for (kind, key), value in keyopts.items() if key == 2}
         elements = dict(_elements(lines))
         used = {kind for _, kind, _ in elements.values()}
         if unknown := used - types.keys():
@@ -145,7 +153,7 @@ def ansys_mesh(path: Path) -> SolidMesh:
             converted,
             tuple(_element(block.type, kinds) for block in mesh.cells),
             tuple(_materials(lines, sets)),
-            ignored=(*_ignored(lines, elements, types), *partly),
+            ignored=(*_ignored(lines, elements, types), *_formulation(keyopts, types), *partly),
             held=HELD if held else "",
         )
 
@@ -154,13 +162,22 @@ def _canonical(lines: list[str]) -> Iterator[str]:
     """Yield the lines with the full names of the commands that are read, and with the values of
     parameters in place of their names."""
     values: dict[str, str] = {}
+    conditions = 0
     for line in (
         part.lstrip() if at else part for x in lines for at, part in enumerate(x.split("$"))
     ):
         if not COMMAND.match(line):
             yield line
             continue
+        if line.startswith(("C***", "c***")):  # a comment
+            continue
         head, *words = line.split("!")[0].split(",")
+        command = head.strip().upper()[:4]
+        conditions += (command == "*IF" and bool(words) and words[-1].strip().upper() == "THEN") - (
+            command == "*END"
+        )
+        if conditions > 0 and command in USED and command != "*SET":
+            raise MeshFileError(f"a file without {head.strip()} that depends on a condition (*IF)")
         name, equals, value = head.partition("=")
         if equals or name.strip().upper() == "*SET":
             key, given = (name, value) if equals else (*words, "", "")[:2]
@@ -179,10 +196,21 @@ def _ignored(
     counts = Counter(types[kind] for _, kind, _ in elements.values())
     for number in sorted(counts.keys() & {*CONTACT, *NAMES}):
         yield f"{counts[number]} elements {NAMES.get(number, number)}"
+    damping = Counter(
+        words[1] for words in map(_words, lines) if words[0] in ("MP", "MPDATA") and words[1:]
+    )
+    yield from (f"{damping[label]} MP,{label}" for label in DAMPING if damping[label])
     words = Counter(found[0].strip().upper() for line in lines if (found := COMMAND.match(line)))
     for word, count in sorted(words.items()):
         if word[:4] not in {*USED, *HARMLESS}:
             yield f"{count} {word}"
+
+
+def _formulation(keyopts: Mapping[tuple[int, int], int], types: Mapping[int, int]) -> Iterator[str]:
+    """Yield options of the elements of solids that are not read and change their stiffness."""
+    for (kind, key), value in sorted(keyopts.items()):
+        if types.get(kind) in SOLIDS and key in FORMULATION and value:
+            yield f"KEYOPT({key}) = {value} of SOLID{types[kind]} ({FORMULATION[key]})"
 
 
 def _held(lines: list[str]) -> tuple[list[int], list[str]]:
@@ -216,22 +244,28 @@ def _element(cell: str, kinds: set[tuple[int, int]]) -> str:
     return OTHERS.get(cell, cell)
 
 
-def _element_types(lines: list[str]) -> tuple[dict[int, int], dict[int, int]]:
-    """Return the number of the element of each type, and KEYOPT(2) of each type that has one."""
-    types, options = dict[int, int](), dict[int, int]()
+def _element_types(lines: list[str]) -> tuple[dict[int, int], dict[tuple[int, int], int]]:
+    """Return the number of the element of each type, and the values of KEYOPT by the type and the
+    number of the option."""
+    types, options = dict[int, int](), dict[tuple[int, int], int]()
     for number, line in enumerate(lines):
         words = _words(line)
         if words[0] == "ET" and len(words) > 2:
-            types[_whole(words[1], line)] = _whole(re.sub(r"\D", "", words[2]), line)
-        elif words[0] == "KEYOPT" and len(words) > 3 and words[2] == "2":
-            options[_whole(words[1], line)] = _whole(words[3] or "0", line)
+            kind = _whole(words[1], line)
+            types[kind] = _whole(re.sub(r"\D", "", words[2]), line)
+            for key, value in enumerate(words[3:9], 1):
+                if value:
+                    options[kind, key] = _whole(value, line)
+        elif words[0] == "KEYOPT" and len(words) > 3 and words[2].isdigit():
+            options[_whole(words[1], line), int(words[2])] = _whole(words[3] or "0", line)
         elif words[0] == "ETBLOCK":
             width = _width(lines[number + 1])
             for row in lines[number + 2 : number + 2 + int(words[1])]:
                 values = _integers(row, width)
                 types[values[0]] = values[1]
-                if len(values) > 3 and values[3]:
-                    options[values[0]] = values[3]
+                options |= {
+                    (values[0], k): value for k, value in enumerate(values[2:8], 1) if value
+                }
     return types, options
 
 

@@ -60,6 +60,7 @@ Cards = Mapping[str, list[list[Any]]]
 """Fields of all entries by their name; none for other names."""
 
 SET = re.compile(r"^[ \t]*SET[ \t]+(\d+)[ \t]*=[ \t]*((?:.*,[ \t]*\n)*.*)$", re.I | re.M)
+CHOSEN = re.compile(r"^[ \t]*SPC[ \t]*=[ \t]*(\d+)", re.I | re.M)
 INCLUDE = re.compile(r"^[ \t]*INCLUDE\b", re.I | re.M)
 
 
@@ -128,6 +129,8 @@ def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
         what = f"node {turned[0]} is in another one" if turned else "GRDSET states another one"
         raise MeshFileError(f"nodes in the basic coordinate system; {what}")
     place = {int(row[0]): number for number, row in enumerate(grid)}
+    _check_single("GRID", [int(row[0]) for row in grid])
+    _check_single("element", [row[0] for entry in CELLS for row in cards[entry]])
     points = [[float(x or 0.0) for x in (*row[2:5], "", "", "")[:3]] for row in grid]
     rows = defaultdict[str, list[list[int]]](list)
     members = defaultdict[str, defaultdict[str, list[int]]](lambda: defaultdict(list))
@@ -146,6 +149,8 @@ def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
         for kind, one in rows.items()
     ]
     properties = {f"PSOLID {row[0]}": row[1] for row in cards["PSOLID"]}
+    if fluid := [row[0] for row in cards["PSOLID"] if "PFLUID" in row]:
+        raise MeshFileError(f"elements of solids; PSOLID {fluid[0]} is a fluid")
     components = _constraints(cards, {int(row[0]): str(row[6]) for row in grid}, list(place))
     held = {name: [n for n, by in of.items() if {*"123"} <= by] for name, of in components.items()}
     partly = [
@@ -168,7 +173,29 @@ def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
         },
     )
     sections = tuple(_materials(cards, properties, list(members)))
+    partly += _unread(cards)
+    command = CHOSEN.search(text)
+    if command and int(command[1]) and f"SPC {int(command[1])}" not in components:
+        partly.append(f"SPC = {command[1]}, for which there are no entries,")
     return SolidMesh(mesh, sections=sections, held=_chosen(text, cards, list(held))), partly
+
+
+def _check_single(what: str, numbers: Sequence[Any]) -> None:
+    """Check that no number is used twice."""
+    if twice := [number for number, count in Counter(numbers).items() if count > 1]:
+        raise MeshFileError(f"each {what} once; {what} {twice[0]} is there twice")
+
+
+def _unread(cards: Cards) -> list[str]:
+    """Return fields of the entries that are read whose content is not."""
+    integrated = sum(any(row[place] for place in (3, 5) if row[place:]) for row in cards["PSOLID"])
+    damped = sum(bool(row[7:] and row[7]) for row in cards["MAT1"])
+    values = {str(row[0]).upper(): row[1] for row in cards["PARAM"] if row[1:]}
+    return [
+        *([f"the integration of {integrated} PSOLID"] if integrated else []),
+        *([f"the damping GE of {damped} MAT1"] if damped else []),
+        *(f"PARAM {name}" for name in ("G", "ALPHA1", "ALPHA2") if values.get(name)),
+    ]
 
 
 def _constraints(
@@ -197,8 +224,8 @@ def _constraints(
 
 def _chosen(text: str, cards: Cards, names: list[str]) -> str:
     """Return the set of constraints that the case control or SPCADD chooses, or the only one."""
-    command = re.search(r"^[ \t]*SPC[ \t]*=[ \t]*(\d+)", text, re.I | re.M)
-    numbers = {command[1]} if command else {str(row[0]) for row in cards["SPCADD"]}
+    command = CHOSEN.search(text)
+    numbers = {str(int(command[1]))} if command else {str(row[0]) for row in cards["SPCADD"]}
     chosen = [name for name in names if name.removeprefix("SPC ") in numbers] or names
     return chosen[0] if len(chosen) == 1 else ""
 
@@ -243,8 +270,9 @@ def _materials(cards: Cards, properties: dict[str, Any], used: list[str]) -> Ite
     constants = {row[0]: (*row[1:5], "", "", "", "")[:4] for row in cards["MAT1"]}
     others = {row[0]: name for name in OTHER_MATERIALS for row in cards[name]}
     given = (row[1] for row in cards["PARAM"] if str(row[0]).upper() == "WTMASS")
-    if not (weight := float(next(given, 1.0))) > 0.0:
-        raise MeshFileError(f"a positive PARAM,WTMASS, got {weight:g}")
+    weight = next(given, 1.0)
+    if isinstance(weight, str) or not weight > 0.0:
+        raise MeshFileError(f"a positive PARAM,WTMASS, got {weight}")
     for name in used:
         number = properties.get(name, "")
         young, shear, ratio, density = constants.get(number, ("", "", "", ""))

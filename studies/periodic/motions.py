@@ -173,12 +173,13 @@ def nodes_of(stage: Stage, blade: int) -> Stage:
         UserError: it has no such blade.
     """
     refuse_line(stage.case)
-    expected, table = (
-        "a superelement, as tips of beams have mass",
-        stage.case.bladed_disk.superelement,
-    )
+    table = stage.case.bladed_disk.superelement
+    expected = "a superelement, as tips of beams have mass"
     if table is not None:
-        expected = f'bladed_disk.superelement.kind = "blade", found "{table.kind}"'
+        expected = (
+            f'bladed_disk.superelement.kind = "blade", found "{table.kind}", whose blades move'
+            " each other through the disk: a march shows their motion"
+        )
     if table is None or table.kind != "blade":
         problem = contact_problem(stage, steps=False)
         reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")

@@ -125,6 +125,38 @@ def test_other_entries_of_nastran_are_named_with_their_number(tmp_path: Path) ->
         first(bulk(tmp_path, more=more), clamped="SPC 1")
 
 
+@pytest.mark.parametrize(
+    ("changes", "more", "note"),
+    [
+        ((), "MAT1,9,1.,,.3,1.,1.-5,20.,0.05\n", "the damping GE of 1 MAT1"),
+        ((), "PSOLID,9,1,,2,,1\n", "the integration of 1 PSOLID"),
+        ((), "PARAM,G,.02\n", "PARAM G"),
+        ((("SPC = 1", "SPC = 4"),), "", "SPC = 4, for which there are no entries,"),
+    ],
+)
+def test_fields_of_nastran_that_are_not_read_are_named(
+    tmp_path: Path, changes: Any, more: str, note: str
+) -> None:
+    given = bulk(tmp_path, ("BEGIN BULK", "SPC = 1\nBEGIN BULK"), more=more)
+    for old, new in changes:
+        given.write_text(given.read_text().replace(old, new))
+    assert read_volume_mesh(given).ignored == (note,)
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        ("GRID,20,,9.,9.,9.\n", "each GRID once; GRID 20 is there twice"),
+        ("CTETRA,1,1,1,2,3,20\n", "each element once; element 1 is there twice"),
+        ("PSOLID,9,1,,,,,PFLUID\n", "elements of solids; PSOLID 9 is a fluid"),
+        ("PARAM,WTMASS,abc\n", "a positive PARAM,WTMASS, got abc"),
+    ],
+)
+def test_contradictions_of_nastran_are_refused(tmp_path: Path, more: str, reason: str) -> None:
+    with pytest.raises(MeshFileError, match=reason):
+        read_volume_mesh(bulk(tmp_path, more=more))
+
+
 def test_ranges_of_sets_have_exceptions(tmp_path: Path) -> None:
     more = "SET 5 = 1 THRU 9 EXCEPT 3 THRU 5, 20\nBEGIN BULK"
     mesh = read_volume_mesh(bulk(tmp_path, ("BEGIN BULK", more)))
@@ -154,6 +186,33 @@ def test_parameters_of_ansys_are_replaced_by_their_values(tmp_path: Path) -> Non
     assert read_volume_mesh(path).blocks[0][0] == "C3D20"
     with pytest.raises(MeshFileError, match="a number in 'KEYOPT,1,2,FULLY', got 'FULLY'"):
         read_volume_mesh(cdb(tmp_path, ("KEYOPT,1,2,1", "KEYOPT,1,2,FULLY")))
+
+
+def test_options_of_elements_of_ansys_may_stand_in_their_type(tmp_path: Path) -> None:
+    path = cdb(tmp_path, ("ET,1,186", "ET,1,SOLID186,,1"), ("KEYOPT,1,2,1\n", ""))
+    assert read_volume_mesh(path).blocks[0][0] == "C3D20"
+
+
+def test_options_and_damping_of_ansys_are_named(tmp_path: Path) -> None:
+    more = "KEYOPT,1,3,1\nKEYOPT,1,6,1\nMP,DAMP,1,.1\nC*** a comment, D,1\n"
+    more += "*IF,_CDRDOFF,EQ,1,THEN\n_CDRDOFF=\n*ELSE\nNUMOFF,NODE,20\n*ENDIF\n"  # of CDWRITE
+    layers = "KEYOPT(3) = 1 of SOLID186 (layers)"
+    mixed = "KEYOPT(6) = 1 of SOLID186 (mixed displacements and pressure)"
+    assert read_volume_mesh(cdb(tmp_path, more=more)).ignored == ("1 MP,DAMP", layers, mixed)
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        ("*IF,A,EQ,1,THEN\nMP,DENS,1,1\n*ENDIF\n", "without MP that depends on a condition"),
+        ("EDELE,1\n", "a file without EDELE, with all nodes and elements listed"),
+    ],
+)
+def test_commands_of_ansys_that_change_the_mesh_are_refused(
+    tmp_path: Path, more: str, reason: str
+) -> None:
+    with pytest.raises(MeshFileError, match=reason):
+        read_volume_mesh(cdb(tmp_path, more=more))
 
 
 def test_held_nodes_and_other_commands_of_ansys(tmp_path: Path) -> None:
