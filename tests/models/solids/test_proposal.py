@@ -7,6 +7,7 @@ import meshio
 import numpy as np
 import pytest
 from command_line import answer, refusal
+from places import EXAMPLES
 from solid_meshes import (
     SECTORS,
     STEEL,
@@ -22,6 +23,7 @@ import bladewhirl as bw
 from bladewhirl.meshes.files.volumes import read_volume_mesh
 from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.models.solids.sectors import find_sector
+from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
 
 MATERIAL = """*ELSET, ELSET=HUB
 all
@@ -32,6 +34,16 @@ all
 7.8e-9
 *SOLID SECTION, ELSET=all, MATERIAL=steel
 """
+CALCULIX = [
+    [777.1096, 1992.991, 2861.722, 2967.148],
+    [782.7945, 1782.657, 2933.495, 3291.776],
+    [783.8342, 2016.255, 2938.521, 3371.408],
+    [784.1245, 2785.271, 2984.931, 3827.632],
+    [784.0397, 2890.396, 3075.696, 4573.747],
+    [783.9218, 2901.311, 3108.154, 4994.086],
+]
+"""Frequencies of examples/sector.inp [Hz], nodal diameters 0 to 5, by CalculiX 2.20, with BORE
+held, *TIE, CYCLIC SYMMETRY between LEFT and RIGHT, and *CYCLIC SYMMETRY MODEL, N=23."""
 ORDER = {"x": [2, 0, 1], "y": [1, 2, 0], "z": [0, 1, 2]}
 """Coordinates of a mesh about z that become x, y and z of the same mesh about another axis."""
 
@@ -125,6 +137,22 @@ def test_a_proposal_pasted_as_it_is_makes_the_part(
     assert wheel_frequencies(part, SECTORS, 3) == pytest.approx(expected, rel=1e-6)
     assert f"0 {expected[0, 0]:.6g} {expected[0, 1]:.6g}" in printed
     assert Path("my deck.png").stat().st_size > 10_000
+
+
+def test_the_shipped_deck_has_the_frequencies_of_calculix(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To a unit of its last digit, with the command as it is printed, and a case that has Coriolis forces."""
+    monkeypatch.chdir(tmp_path)
+    Path("sector.inp").write_text((EXAMPLES / "sector.inp").read_text())
+    printed = answer("mesh", "sector.inp").stdout
+    [line] = [one for one in printed.splitlines() if " mesh3d " in one]
+    answer(*shlex.split(line)[1:])
+    part = bw.read_superelement("sector.npz")
+    found = [*frequencies_by_diameter(part, 4, range(6))]
+    assert np.array(found) == pytest.approx(np.array(CALCULIX), rel=5e-7)
+    answer("new", "sector.toml", "--from", "sector.npz")
+    assert bw.read_case("sector.toml").rotation.effects == "full"
 
 
 def test_what_is_not_known_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
