@@ -32,7 +32,7 @@ ROUNDING = 1e-9
 
 
 def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) -> xr.Dataset:
-    """Return the displacement of the shaft, or of the tips if there is none, and the contact force
+    """Return the displacement of the shaft, or of the tips if there is none, and the contact force,
     with the speed of rotation and its sense of change.
 
     Args:
@@ -40,7 +40,8 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
         orbit: from `orbits.shaft_orbit`; None without a shaft.
 
     Returns:
-        Dataset over time: `displacement` [m] of the shaft, or of the contact node that moves most
+        Dataset over time: `displacement` [m] of the shaft, of a shaft line that of the node that
+        moves most, or of the contact node that moves most
         in the plane of rotation; `force` [N], the largest mean force on a contact node, see
         `extremes.mean_forces`; `speed` [rad/s]; `rising`, 1 while the magnitude of the speed rises,
         -1 while it falls, and 0 at constant speed; `touches`, 1 where a blade touched the casing
@@ -48,7 +49,12 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
         speeds at which the shaft whirls forward or in an ellipse, if known. The attribute `moves`
         is "shaft" or "tips".
     """
-    if orbit is None:
+    nodes = result.sizes.get("contact_node", 0)
+    of_line = "shaft_displacement" in result
+    if of_line:
+        moved = result["shaft_displacement"].values[..., :2]
+        displacement = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
+    elif orbit is None:
         ways = (contact_motion(result, direction) for direction in (0, 1))
         displacement = np.fmax.reduce(np.hypot(*ways), axis=1)  # nan for lost blades
     else:
@@ -56,7 +62,10 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
     speed = rotation.speeds(result)
     change = np.gradient(np.abs(speed)) if len(speed) > 1 else np.zeros(len(speed))
     change = np.sign(np.where(np.abs(change) > ROUNDING * np.abs(speed).max(), change, 0.0))
-    touches = (result.variables["contact_steps"].values > 0).any(axis=1)
+    force, touches = np.zeros((2, len(speed)))
+    if nodes:
+        force = mean_forces(result).values.max(axis=1)
+        touches = (result.variables["contact_steps"].values > 0).any(axis=1).astype(float)
     forward = np.zeros(0)
     if has(result, "critical"):
         forward = result["critical_speed"].values[result["critical_whirl"].values != "backward"]
@@ -65,15 +74,15 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
         "displacement and contact force over the speed",
         {
             "displacement": ("time", displacement, "m"),
-            "force": ("time", mean_forces(result).max("contact_node").values, "N"),
+            "force": ("time", force, "N"),
             "speed": ("time", speed, "rad/s"),
             "rising": ("time", change, "1"),
-            "touches": ("time", touches.astype(float), "1"),
-            "clearance": ((), smallest_clearance(result), "m"),
+            "touches": ("time", touches, "1"),
+            "clearance": ((), smallest_clearance(result) if nodes else np.inf, "m"),
             "critical_speed": ("critical", forward, "rad/s"),
         },
         {"time": result["time"].values},
-        moves="tips" if orbit is None else "shaft",
+        moves="tips" if orbit is None and not of_line else "shaft",
     )
 
 

@@ -47,7 +47,7 @@ def torques(result: xr.Dataset) -> xr.Dataset:
         `torque_other` and `power_other`, in which the momentum of lost blades is a peak.
 
     Raises:
-        ViewError: the result has a single record.
+        ViewError: the result has a single record, or no torque of it is known.
     """
     time = result.variables["time"].values
     if len(time) < 2:
@@ -78,6 +78,8 @@ def torques(result: xr.Dataset) -> xr.Dataset:
             inertia * rate(speeds) - friction,
             0.5 * inertia * rate(speeds**2) - rubbed,
         )
+    if not any(part.any() for values in found.values() for part in values):
+        raise ViewError("torques: no torque of this run is known")
     variables = {
         f"{quantity}_{name}": ("time", values[place], unit)
         for name, values in found.items()

@@ -119,7 +119,7 @@ def plot_line_orbits(data: xr.Dataset) -> Figure:
             axes.plot(*support[:, late], color=COLOURS["casing"], label="support, last two turns")
         axes.set_title(f"bearing {data['bearing'].values[number]}")
         axes.set(aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
-        axes.set_adjustable("datalim")
+        axes.locator_params(nbins=5)
     for axes in panels[count:]:
         axes.set_visible(False)
     known = dict[str, Artist]()

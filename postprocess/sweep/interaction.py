@@ -10,7 +10,9 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.fields.by_blade import aliased
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting import style
@@ -73,7 +75,12 @@ def interaction(dataset: xr.Dataset, key: str) -> xr.Dataset:
     speed, mean = (
         each.mean(others).transpose(key, ...).values for each in (data["rotation_speed"], frequency)
     )
-    at, order, hertz = _resonances(data[key].values, speed, mean).T
+    orders = np.arange(1, MOST_ORDER + 1)
+    excited = np.full((len(orders), mean.shape[1]), True)
+    if chosen:
+        diameter = [int(name.rpartition("=")[2]) for name in MODES]
+        excited = aliased(orders, dataset.sizes["blade"])[:, None] == diameter
+    at, order, hertz = _resonances(data[key].values, speed, mean, excited).T
     if key != "march_speed":
         at, order, hertz = at[:0], order[:0], hertz[:0]
     return (
@@ -88,7 +95,7 @@ def interaction(dataset: xr.Dataset, key: str) -> xr.Dataset:
     )
 
 
-def _resonances(key: Array, speed: Array, frequency: Array) -> Array:
+def _resonances(key: Array, speed: Array, frequency: Array, excited: BoolArray) -> Array:
     """Return the value of the key, the order and the frequency [Hz] where an engine order meets a
     natural frequency between two points, (resonance, 3).
 
@@ -96,11 +103,12 @@ def _resonances(key: Array, speed: Array, frequency: Array) -> Array:
         key: values of the swept key (point,).
         speed: speeds (point,) [rad/s].
         frequency: natural frequencies (point, mode) [Hz].
+        excited: whether each order from 1 on excites each mode (order, mode).
     """
     found: list[tuple[float, int, float]] = []
-    for order in range(1, MOST_ORDER + 1):
+    for order, meant in enumerate(excited, 1):
         apart = order * np.abs(speed)[:, None] / (2 * np.pi) - frequency
-        for left, mode in np.argwhere((apart[:-1] <= 0.0) != (apart[1:] <= 0.0)):
+        for left, mode in np.argwhere(((apart[:-1] <= 0.0) != (apart[1:] <= 0.0)) & meant):
             here, there = apart[left : left + 2, mode]
             share = here / (here - there)
             at, hertz = (

@@ -110,7 +110,7 @@ def test_of_sweeps(sweep: Path, width: float, written: list[str]) -> None:
     with at_width(width):
         answer("plot", sweep, "all")
     assert len(written) >= 6
-    assert set(written) <= set(SWEEP_FIGURES)
+    assert set(written) <= set(SWEEP_FIGURES)  # no faults
 
 
 @WIDTHS
@@ -130,4 +130,19 @@ def test_of_modal_studies(
     with at_width(width):
         answer(command, case, *words, "-o", tmp_path / "out")
     assert written
+    assert not [name for name in written if ":" in name]
+
+
+@WIDTHS
+def test_of_a_run_up_of_a_shaft_line(width: float, written: list[str], tmp_path: Path) -> None:
+    case, folder = tmp_path / "rotor.toml", tmp_path / "out"
+    case.write_text(ROTOR)
+    speeds = "march.run_up={from='1200 rpm',to='3000 rpm',start=0.01,end=0.15}"
+    steps = ("march.time_step=8e-6", "march.record_step=2e-4", "march.duration=0.2")
+    changes = [word for each in (speeds, *steps) for word in ("--set", each)]
+    answer("run", case, *changes, "-o", folder, "--frames", "0")
+    written.clear()
+    with at_width(width):
+        answer("plot", folder, "all")
+    assert {"run-up", "line-orbits", "line-bearing-forces"} <= set(written)
     assert not [name for name in written if ":" in name]
