@@ -23,7 +23,7 @@ from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
-from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon, arrows
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon
 from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.solids import sharp_edges, smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS
@@ -73,8 +73,8 @@ def film_page(
         **(_orbit(dataset, drawing) if has(dataset, "centre") else {}),
         "layout": layout,
         "casingShades": drawing.picture(0).rotor.values.size,
-        "surfaceShades": shades.shape[1] - layout["surface"][1] - layout["tips"][1],
-        "nodeShades": shades.shape[1] - layout["tips"][1],
+        "surfaceShades": shades.shape[1] - layout["surface"][1] - layout["nodes"][1],
+        "nodeShades": shades.shape[1] - layout["nodes"][1],
         "solidColours": [solid.colour for solid in drawing.solids if solid.colour],
         "marks": drawing.around,
         "bar": _bar(drawing, size),
@@ -210,7 +210,6 @@ def _members(points: Points) -> dict[str, list[str]]:
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
     """Return the points of all drawn shapes, by the name of the shape [m]."""
-    length = _metres_per_newton(drawing, size)
     return {
         "rotor": picture.rotor.sides,
         "casing": _wall(picture).sides,
@@ -219,10 +218,8 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
         ),
         **{name: strokes for name, _, _, strokes in look.strokes_of(picture.symbols)},
         "masses": picture.symbols.masses,
-        "arrows": arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * size),
-        "tips": picture.tips,
         "nodes": picture.tip_places,
-        "pushes": length * picture.pushes,
+        "pushes": _metres_per_newton(drawing, size) * picture.pushes,
         "shaft": picture.shaft,
         "mark": picture.mark,
     }
@@ -276,7 +273,7 @@ def _instants(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
         ],
         "contact": [look.contact_text(picture.blade_forces) for picture in pictures],
         "lost": [np.unique(blades[lost]).tolist() for lost in drawing.lost],
-        "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],
+        "touching": [np.any(picture.pushes, axis=1).astype(int).tolist() for picture in pictures],
     }
 
 
@@ -293,6 +290,7 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
         "hub": look.HUB * unit,
         "markSize": look.MARK * unit,
         "disc": look.CONTACT_DISC * unit,
+        "arrow": look.ARROW_WIDTH * unit,
         "nodeDisc": look.NODE_DISC * unit,
         "mass": MASS * unit,
         "colours": _colours(colouring),

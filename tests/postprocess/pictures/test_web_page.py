@@ -30,12 +30,12 @@ def test_places_are_those_of_the_drawing(result: xr.Dataset, tmp_path: Path) -> 
         ("rotor", [seen.rotor.sides for seen in drawn]),
         ("casing", [seen.casing.sides for seen in drawn]),
         ("springs", [seen.symbols.springs for seen in drawn]),
-        ("tips", [seen.tips for seen in drawn]),
+        ("nodes", [seen.tip_places for seen in drawn]),
         ("shaft", [seen.shaft for seen in drawn]),
     ):
         np.testing.assert_allclose(size * part(about, places, name), expected, atol=2e-5)
     assert np.abs(places).max() < FULL  # nothing is cut off
-    touching = [np.any(seen.forces, axis=1).astype(int).tolist() for seen in drawn]
+    touching = [np.any(seen.pushes, axis=1).astype(int).tolist() for seen in drawn]
     assert about["touching"] == touching
     assert any(map(any, touching))
     largest = max(range(len(drawn)), key=lambda i: float(np.linalg.norm(drawn[i].forces)))
