@@ -70,7 +70,7 @@ class Picture:
     forces: Array
     """True contact force on each node (contact_node, 2) [N], as seen in the picture; zero on hidden
     nodes."""
-    blade_forces: Array  #: size of the contact force on each blade (blade,) [N]
+    blade_forces: Array  #: size of the contact force on each blade that is not lost (blade,) [N]
     tip_places: Array  #: drawn contact nodes with their distance towards the viewer (node, 3) [m]
     pushes: Array  #: contact forces also on hidden nodes, in the axes of the picture (node, 3) [N]
 
@@ -206,6 +206,7 @@ class Drawing:
                 bodies.append((shape.solids[-1].points, self.solids[-1].triangles))
             corners = [points[triangles] for points, triangles in bodies]
             hidden |= behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
+        gone = of_blades(self._dataset, 1.0 * self.lost[index]) > 0.0
         seen = body.seen(forces)
         seen[hidden[: len(seen)]] = 0.0
         return Picture(
@@ -234,7 +235,7 @@ class Drawing:
             forces=seen,
             tip_places=shape.tips,
             pushes=np.where(self.lost[index, :, None], 0.0, body.turned(forces)),
-            blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0),
+            blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0)[~gone],
         )
 
 

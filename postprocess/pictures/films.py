@@ -13,7 +13,8 @@ from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 
 FRAME_RATE = 25  #: pictures per second, 40 ms each: a multiple of the time unit of a GIF, 10 ms
-SAMPLES = 6  #: number of pictures from which the colours of a GIF are chosen
+SAMPLES, STRIDE = 20, 4
+"""Pictures from which the colours of a GIF are chosen, and the distance of their pixels."""
 FIXED = (look.BACKGROUND, look.INK, look.FAINT, look.FORCE_COLOUR, look.NO_VALUE, look.MASS_COLOUR)
 """Colours that are in each palette."""
 
@@ -72,7 +73,7 @@ def write_pictures(
 
 def _palette(samples: list[Pixels]) -> Image.Image:
     """Return the palette of a GIF: fixed colours, and those that differ least from the samples."""
-    seen = np.vstack([sample[::2, ::2].reshape(-1, 3) for sample in samples])[None]
+    seen = np.vstack([sample[::STRIDE, ::STRIDE].reshape(-1, 3) for sample in samples])[None]
     drawn = Image.fromarray(seen[:, np.any(seen[0] < 240, axis=1)])  # not colours close to white
     kept = [value for colour in FIXED for value in ImageColor.getrgb(colour)]
     chosen = drawn.quantize(256 - len(FIXED), Image.Quantize.MAXCOVERAGE, kmeans=1).getpalette()

@@ -21,6 +21,7 @@ from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.lost_blades import lost_beams, lost_blades
 from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.paraview.series import export_vtk
+from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.stresses import peak_stresses, stress_history
@@ -57,6 +58,8 @@ def test_lost_blades_vanish_from_pictures(run: tuple[xr.Dataset, dict[str, float
     assert (lengths[2:][:, lines] == 0.0).all()
     others = np.setdiff1d(np.arange(lengths.shape[1]), lines)
     assert (lengths[2:][:, others] > 0.01).all()
+    drawing = Drawing(result, records)
+    assert [len(drawing.picture(n).blade_forces) for n in range(4)] == [9, 9, 7, 7]
 
 
 def test_lost_blades_vanish_from_series(
