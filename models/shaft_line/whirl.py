@@ -153,7 +153,8 @@ def conserved(
     for part, whole in ((lost, damping), (driven, stiffness)):
         if abs(part).max() > CONSERVATIVE * abs(whole).max():
             return values
-    return np.where(np.abs(values.real) < SAME * np.abs(values), 1j * values.imag, values)
+    still = np.abs(values.real) < SAME * np.abs(values)
+    return np.where(still, 0.0 + 1j * values.imag, values)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -70,8 +70,9 @@ class Body:
         around: bool,
         view: View | None = None,
     ) -> None:
-        if view not in (None, *get_args(View)):
-            raise ViewError(f"view must be one of {', '.join(get_args(View))}, got {view!r}")
+        views = [each for each in get_args(View) if each != "line"]
+        if view not in (None, *views):
+            raise ViewError(f"view must be one of {', '.join(views)}, got {view!r}")
         per_element = -(-RING_STATIONS // dataset.sizes.get("casing_node", 1))
         #: drawn positions
         self.stage = stage = EnlargedStage(

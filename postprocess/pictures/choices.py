@@ -17,4 +17,4 @@ Field = Literal[
 
 Frame = Literal["static", "rotating"]
 
-View = Literal["oblique", "axial", "side"]
+View = Literal["oblique", "axial", "side", "line"]

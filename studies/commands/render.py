@@ -56,7 +56,8 @@ def render(
         colour: Field that colours rotor and wall; strains are those of beams, the stress of a
             superelement is the von Mises stress; wear is the removed depth of a coating.
         view: Direction of the view of a superelement: by default oblique, with the wall cut open in
-            front of the tips.
+            front of the tips. "line" shows a shaft line with the orbits at its bearings, the only
+            view without blades.
         orbit: Show the shaft's orbit in an inset.
         width: Width of a still in print [mm], such as 85 for a column and 170 for a page; text has
             7 points.

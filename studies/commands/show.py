@@ -108,17 +108,22 @@ def show(
 
     Args:
         with_case: Print every key of the case after the properties.
-        png: Draw the stage: parts, sets, springs, supports.
+        png: Draw the stage: parts, sets, springs, supports; or the shaft line with its bearings.
         output: File of the drawing; by default the name of the case with .png.
     """
     if output is not None and not png:
         raise UserError("--output: allowed only with --png, the option that draws the stage")
     with options.case_of(case, overrides) as checked:
         if checked.shaft_line is not None:
-            from bladewhirl.studies.shaft_line.properties import properties
+            from bladewhirl.studies.shaft_line.properties import draw, properties
 
-            options.omitted("[shaft_line]", {"--png": png or None})
             emit(*_document(checked, *properties(checked), with_case=with_case), json=json)
+            if png:
+                target = output or Path(f"{case.stem}.png")
+                options.claim_output(target, named=True, overwrite=overwrite)
+                with writing(target):
+                    draw(checked, target)
+                typer.echo(f"Wrote {target}.", err=True)
             return
         from bladewhirl.models.stage.build import build_stage, time_step_faults
         from bladewhirl.models.stage.hints import stage_hints

@@ -54,7 +54,9 @@ def render(
         frame: "static" or "rotating" axes; if None, static, and rotating for a single blade.
         colour: field that colours rotor and wall, such as "velocity"; strains and stresses are
             those of beams.
-        view: direction of the view of a superelement: "oblique", the default, "axial" or "side".
+        view: direction of the view of a superelement: "oblique", the default, "axial" or "side";
+            "line": the whole shaft line with the orbits at its bearings, the only view without
+            blades.
         orbit: whether stills, GIF and MP4 have an inset with the orbit of the shaft.
         width: width of a still in print [m], in which all text has 7 points; if None, the still is
             a picture for screens.
@@ -74,6 +76,7 @@ def render(
     from bladewhirl.postprocess.fields.result import opened
     from bladewhirl.postprocess.pictures import render as pictures
     from bladewhirl.postprocess.pictures.printed import print_still
+    from bladewhirl.postprocess.pictures.shaft_line import is_line, largest_deflection, render_line
     from bladewhirl.postprocess.pictures.web_page import render_page
 
     target = Path(path)
@@ -87,6 +90,22 @@ def render(
         raise ViewError(f"{target}: omit width; it is allowed for a still without orbit only")
     look: dict[str, Any] = dict(exaggeration=exaggeration, frame=frame, colour=colour, view=view)
     with opened(result) as dataset, writing(target):
+        if view == "line" or (is_line(dataset) and view is None):
+            given: dict[str, Any] = {"frame": frame, "orbit": orbit, "width": width}
+            given["colour"] = colour != "deformation"
+            if unused := [name for name, value in given.items() if value]:
+                raise ViewError(f"{', '.join(unused)}: not allowed for a picture of a shaft line")
+            if kind != ".png":
+                records = window_records(dataset, target, frames=frames, start=start, end=end)
+            elif windowed or isinstance(time, Sequence):
+                raise ViewError(f"{target}: expected a still or a film of a shaft line, no sheet")
+            elif time is None:
+                records = np.array([largest_deflection(dataset)])
+            else:
+                records = nearest_records(dataset, np.atleast_1d(time))
+            return render_line(
+                dataset, target, records, exaggeration=exaggeration, progress=progress
+            )
         still = kind == ".png" and not windowed and not isinstance(time, Sequence)
         if time is not None:
             records = nearest_records(dataset, np.atleast_1d(time))

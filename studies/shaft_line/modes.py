@@ -56,7 +56,7 @@ def line_modes(case: Case, *, count: int = 12) -> xr.Dataset:
             "frequency": quantity("mode", frequency / (2.0 * np.pi), "Hz", "natural frequency"),
             "decay": quantity("mode", modes.eigenvalue.real, "1/s", "real part of the eigenvalue"),
             "damping_ratio": quantity(
-                "mode", -modes.eigenvalue.real / np.abs(modes.eigenvalue), "1", "damping ratio"
+                "mode", 0.0 - modes.eigenvalue.real / np.abs(modes.eigenvalue), "1", "damping ratio"
             ),
             "displacement": quantity(("mode", "instant", "axis", "position"), moved, "1"),
             "mesh_error": quantity("mode", np.abs(halved / frequency - 1.0), "1", coarse),

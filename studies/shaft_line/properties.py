@@ -1,5 +1,6 @@
 """Masses, static loads and sag of a shaft line."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,6 +40,24 @@ BEARINGS = (
     Column("force_y", "static force y [N]", ".5g"),
     Column("sag", "sag [mm]", ".4g", 1e3),
 )
+
+
+def draw(case: Case, path: Path) -> None:
+    """Draw the shaft line of a case at rest as PNG.
+
+    Raises:
+        CaseError: the bearings do not hold the line, or the wheel has no hub.
+    """
+    from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.shaft_line.rotor import plot_rotor, rotor_of
+
+    line = line_model(case)
+    wheels = [
+        (float(line.position[wheel.node]), float(wheel.source.part.contact_radius.max()))
+        for wheel in line.wheels
+    ]
+    rotor = rotor_of(line.table, line.position, title=case.title, wheels=wheels)
+    save_figure(plot_rotor(rotor), path)
 
 
 def properties(case: Case) -> tuple[dict[str, Any], "list[Table]"]:

@@ -97,7 +97,9 @@ def test_show_lists_masses_and_static_loads(case: Path) -> None:
     forces = sum(row["force_y"] for row in derived["bearings"])
     assert forces == pytest.approx(9.81 * derived["mass"], rel=1e-9)
     assert derived["mass"] == pytest.approx(20.0 + 7800.0 * np.pi / 4.0 * 0.05**2, rel=1e-9)
-    assert "front" in answer("show", case).output
+    picture = case.with_name("line.png")
+    assert "front" in answer("show", case, "--png", "-o", picture).output
+    assert picture.stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(

@@ -2,16 +2,20 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
 import pytest
+from PIL import Image
 from shaft_line_case import line_case
 
 import bladewhirl as bw
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.case.shaft_line import ShaftLine
+from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.shaft_line.rotor import plot_rotor, rotor_of, seen
 from bladewhirl.studies.runs.run import resume, run
 
 
@@ -110,3 +114,42 @@ def test_a_series_has_the_surface_of_the_shaft(
     np.testing.assert_allclose(along, tilt.real * y - tilt.imag * x, atol=1e-4 * abs(along).max())
     warp = mesh.point_data["warp"]
     np.testing.assert_allclose(warp, 50.0 * mesh.point_data["displacement"], rtol=1e-5)
+
+
+def test_stills_and_films_show_the_rotor_and_its_orbits(folder: Path, tmp_path: Path) -> None:
+    still = bw.render(folder, tmp_path / "still.png")
+    early = bw.render(folder, tmp_path / "early.png", time=0.0)
+    film = bw.render(folder, tmp_path / "film.gif", frames=4, exaggeration=100.0)
+    with Image.open(still) as one, Image.open(early) as other, Image.open(film) as pictures:
+        assert one.size == other.size
+        assert np.asarray(one.convert("RGB")).std() > 10.0
+        assert (np.asarray(one) != np.asarray(other)).any()
+        assert getattr(pictures, "n_frames") == 4  # noqa: B009
+    refused: tuple[dict[str, Any], ...] = ({"orbit": True}, {"frame": "rotating"}, {"frames": 4})
+    for options in refused:
+        with pytest.raises(UserError, match="shaft line"):
+            bw.render(folder, tmp_path / "no.png", **options)
+
+
+def test_a_picture_shows_each_part_where_it_is() -> None:
+    disk = {
+        "position": 0.3,
+        "offset": 0.02,
+        "mass": 8.0,
+        "polar_inertia": 0.06,
+        "diametral_inertia": 0.0302,
+    }
+    table = line_case().shaft_line
+    assert table is not None
+    table = ShaftLine(**table.model_dump(exclude_none=True) | {"disks": [disk]})
+    rotor = rotor_of(table, np.linspace(0.0, 0.6, 5), title="", wheels=[(0.6, 0.2)])
+    [(place, radius, thickness)] = rotor.disks
+    assert place == pytest.approx(0.32)
+    assert 8.0 * radius**2 / 2.0 == pytest.approx(0.06)
+    assert 8.0 * (radius**2 / 4.0 + thickness**2 / 12.0) == pytest.approx(0.0302)
+    assert rotor.bearings == (("front", 0.0, True), ("2", 0.6, False))
+    assert (rotor.radius == 0.02).all()
+    assert rotor.largest == 0.2
+    assert seen(0.5, 0.1j) == pytest.approx(0.5 + 0.1j)
+    figure = plot_rotor(rotor)
+    assert len(figure.axes[0].patches) == 2 * (4 + 1 + 1)
