@@ -112,11 +112,36 @@ def test_show_lists_masses_and_static_loads(case: Path) -> None:
         (["modes", "--set", "casing.clearance=0.002"], "clearance = 0.002 }: not allowed"),
         (["modes", "--set", "shaft_line.bearings.1.position=0"], "expected bearings that hold"),
         (["response", "--set", "shaft_line.unbalance=[]"], "shaft_line.unbalance: expected"),
+        (
+            ["show", "--set", "shaft_line.bearings.1.position=1.2"],
+            "shaft_line.bearings[1].position = 1.2: expected a position on the shaft, from 0 m",
+        ),
+        (
+            ["show", "--set", "shaft_line.disks.0.position=-0.1"],
+            "shaft_line.disks[0].position = -0.1: expected a position on the shaft",
+        ),
+        (
+            ["modes", "--set", "shaft_line.bearings.0.stiffness=[[1, 2], [3]]"],
+            "shaft_line.bearings[0].stiffness = [[1, 2], [3]]: expected one number in N/m, or two",
+        ),
+        (["modes", "--set", "shaft_line.segments=[]"], "shaft_line.segments = []: expected at"),
     ],
 )
 def test_what_a_line_does_not_have_is_refused(words: list[str], said: str, case: Path) -> None:
     name, *options = words
     assert said in refusal(name, case, *options)
+
+
+def test_a_steady_state_at_a_critical_speed_without_damping_is_refused(case: Path) -> None:
+    undamped = []
+    for key in ("0.damping=0", "1.damping=0", "1.stiffness=20 MN/m"):
+        undamped += ["--set", f"shaft_line.bearings.{key}"]
+    found = json.loads(answer("critical-speeds", case, *undamped, "--json").stdout)["shaft_line"]
+    [first, *_] = [row["speed_rad_s"] for row in found if row["direction"] == "forward"]
+    below = float(np.nextafter(first, 0.0))
+    speeds = f"{below!r} rad/s:{first!r} rad/s:{first - below!r} rad/s"
+    said = f"speed {first:.6g} rad/s: expected another speed, or bearings with damping: it is a"
+    assert said in refusal("response", case, *undamped, "--speeds", speeds)
 
 
 FAN = """
