@@ -20,7 +20,7 @@ all k. Those of a wheel are sums over its blades j,
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -97,12 +97,6 @@ class JointedWheel:
     def orders(self) -> list[int]:
         """Engine orders of the loads, ascending."""
         return sorted(self.loads)
-
-    def damped(self, ratio: float) -> "JointedWheel":
-        """Return the wheel with a damping ratio added to that of each mode."""
-        rates = 2.0 * ratio * np.sqrt(np.abs(self.stiffness))
-        added = np.stack([np.diag(of_copy) for of_copy in rates])
-        return replace(self, damping=self.damping + added)
 
     @cached_property
     def _waves(self) -> dict[int, Wave]:

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
+from bladewhirl.solvers.periodic.arclength import TURN, follow
 from bladewhirl.solvers.periodic.blade import Grid
 from bladewhirl.solvers.periodic.contact import (
     Motion,
@@ -40,11 +41,7 @@ correction ends."""
 PATIENCE = 5  #: Newton steps without fewer wrong members of the active set after which one ends
 RENEWED = 4  #: Newton steps with the responses of one speed
 CORRECTIONS = 12  #: largest number of Newton steps of a correction
-FEW, MANY = 4, 7  #: numbers of Newton steps below and above which the steps grow and shrink
-GROWTH = 2.0  #: change of the length of steps
-SHORTEST = 1e-5  #: shortest step, relative to the longest
 NUDGE = 1e-6  #: change of the parameter for F_p, relative to its scale
-TURN = 0.7  #: smallest cosine of the angle between two tangents, unless steps are short
 SHORT = 5e-2  #: length of a step, relative to the longest, from which on any turn is accepted
 FAR = 2.0  #: largest distance of two points, relative to the length of the step
 FARTHEST = 0.5  #: largest change of the parameter in a Newton step, relative to its scale
@@ -312,29 +309,17 @@ class Continuation:
         return self.begin(self._at(normal, angle, parameter), parameter, after.heading)
 
     def follow(self, start: Point, longest: float, first: float) -> Iterator[Point]:
-        """Yield further points of a branch, without end.
-
-        Args:
-            start: point at which the branch begins.
-            longest: length of the longest step.
-            first: length of the first step.
+        """Yield further points of a branch, see `arclength.follow`.
 
         Raises:
             NotConverged: the branch was lost.
         """
-        point, length = start, min(first, longest)
-        while length >= SHORTEST * longest:
-            ahead = self._ahead(point, length, short=length < SHORT * longest)
-            if ahead is None:
-                length /= 2.0
-                continue
-            if ahead.steps <= FEW:
-                length = min(longest, length * GROWTH)
-            elif ahead.steps >= MANY:
-                length /= GROWTH
-            point = replace(ahead, ahead=length)
-            yield point
-        raise NotConverged(f"Newton's method fails beyond {point.parameter:.6g}")
+
+        def ahead(point: Point, length: float) -> Point | None:
+            return self._ahead(point, length, short=length < SHORT * longest)
+
+        for point, length in follow(start, ahead, longest, first):
+            yield replace(point, ahead=length)
 
     def _ahead(self, point: Point, length: float, *, short: bool) -> Point | None:
         """Return the next point, for short steps also behind a corner; None if it is not near."""

@@ -1,36 +1,26 @@
-"""Periodic motions of a tuned wheel with friction joints, by a semismooth Newton method.
+"""Periodic motions of a tuned wheel with friction joints, by harmonic balance.
 
 All blades have the same motion one after another, u_{j+1}(t) = u_j(t + theta / Omega), so that one
 joint is enough, see `models.joints.wheel`. The period is that of the engine orders, T = 2 pi / (p
 |Omega|) with their greatest common divisor p, and the harmonic h of the forces l on a joint moves
-it by S_h l_h with the nodal diameter h p. Forces and displacements are collocated at n instants;
-n p / N is a whole number, so that all N blades have the same instants.
+it by S_h l_h with the nodal diameter h p. Displacements are d = d_0 + S l with those d_0 without
+joint forces, and slips are derivatives by the angle h p Omega t, of harmonics i h d_h.
 
-With the gap g, the normal force l_n, tangential forces l_t and a friction coefficient mu,
+The unknowns are the harmonics 0 to H of the forces. At equally spaced instants of a period, trial
+forces follow from them, from the gaps and from the slips, and the law of `joint_law` gives forces.
+The unknowns are right if they are the harmonics of the forces of the law:
 
-    0 <= l_n, g >= 0, l_n g = 0,    |l_t| <= mu l_n,    l_t = -mu l_n s / |s| where s is not zero
+    l = F P(F^-1 (l - g / f_n, l - s / f_t)).
 
-with the slip s in a step, the velocity times the step. The natural map of Alart and Curnier (1991),
+The flexibilities f are of the size of those of the joint. As the modes respond exactly to the
+harmonics of the forces, the work of the engine orders is that of the damping and of the joints, and
+joints that are open, stuck or without friction have exactly the linear response.
 
-    p = l_n - rho_n g,    tau = l_t - rho_t s,
-
-tells the state of a node at an instant: open (p <= 0, l = 0), stuck (|tau| <= mu p, s = 0), or
-slipping (l_t = mu l_n tau / |tau|); closed nodes have g = 0. A Newton step solves the linearised
-equations of the states, and changes the states.
-
-Newton's method needs a discrete slip in which forces that oppose it take energy, as in the
-equations of motion. With the phase a = 2 pi h / n of a step, the low harmonics are exact: C + A of
-`models.joints.wheel` and i a (C + A), so that the direction of slip does not lag behind the motion.
-For high harmonics the modes respond to forces that are constant in each step, see `steps`, with the
-value at its end, and the slip is the backward difference, as in an implicit march. Between them the
-responses and the slips are blended; each part takes energy. Modes that turn far in a step are
-damped in the high harmonics: impacts of their masses would have many motions that mean nothing.
-
-If nodes are stuck all the time, the mean of their tangential forces is not unique: joints are
-assembled without tangential force, and the mean is the smallest possible one, zero.
+If nodes are stuck all the time, the mean of their tangential forces is not unique. Joints are
+assembled without tangential force, and the mean is zero: a slip of `CREEP` times it is added.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import gcd
 
@@ -38,43 +28,25 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
+from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.contact import NotConverged
-from bladewhirl.solvers.periodic.steps import Steps
 
-OPEN, STUCK, SLIPPING = range(3)
-"""States of a node at an instant."""
-EXACT, BACKWARD = 32.0, 8.0
-"""Instants in a period of the highest harmonic whose response is exact, and of the lowest one whose
-slip is a backward difference."""
-STIFF, STIFF_RATIO, RESOLVED = 0.25, 1.0, 140.0
-"""Angle of a mode in a step from which on damping is added to it outside of the exact harmonics,
-and the damping ratio added from twice this angle on."""
-CAUTION = 10.0
-"""Factor of the flexibilities 1 / rho to typical ones; with smaller ones, nodes in whose slip a
-Newton step errs change into the opposite slip in place of sticking."""
-STEPS = 30  #: largest number of Newton steps
-SAME = 1e-9
-"""Largest error of gaps, slips and slipping forces times flexibility, relative to the displacements
-without joint forces, at which Newton's method ends."""
-WILD = 1e6  #: growth of the forces at which Newton's method gives up
-REGULAR = 1e-9
-"""Change of the diagonal of the equations of stuck nodes, relative to the flexibility."""
+SAMPLED = 8  #: instants for each harmonic
+CREEP = 1e-8  #: slip per mean tangential force, relative to the flexibility
+STEPS = 30  #: largest number of steps to the static forces
 
 
 @dataclass(frozen=True)
 class JointGrid:
-    """A wheel with joints and its responses at equally spaced instants of a period."""
+    """A wheel with joints, and its responses to the harmonics 0 to H of forces."""
 
     wheel: JointedWheel
-    instants: int  #: number of instants n
+    harmonics: int  #: highest harmonic H
 
-    @classmethod
-    def near(cls, wheel: JointedWheel, instants: int) -> "JointGrid":
-        """Return the grid of the least even number of instants that is at least `instants` and at
-        which all blades have the same instants."""
-        passages = wheel.blades // gcd(wheel.blades, common_order(wheel))
-        unit = passages if passages % 2 == 0 else 2 * passages
-        return cls(wheel, unit * -(-instants // unit))
+    @property
+    def instants(self) -> int:
+        """Number of instants in a period."""
+        return SAMPLED * self.harmonics
 
     @property
     def order(self) -> int:
@@ -87,96 +59,101 @@ class JointGrid:
         return 2.0 * np.pi / (self.order * abs(self.wheel.speed))
 
     @property
-    def shift(self) -> int:
-        """Instants by which a blade is ahead of the one before it."""
-        ahead = self.instants * self.order // self.wheel.blades
-        return ahead if self.wheel.speed > 0.0 else -ahead
+    def number(self) -> IntArray:
+        """Numbers of the harmonics, (H + 1,)."""
+        return np.arange(self.harmonics + 1)
 
     @property
-    def step(self) -> float:
-        """Time between two instants [s]."""
-        return self.period / self.instants
+    def rates(self) -> ComplexArray:
+        """Slips by displacements of the harmonics, (H + 1,)."""
+        return np.asarray(1j * self.number, dtype=np.complex128)
 
     @cached_property
-    def responses(self) -> tuple[ComplexArray, ComplexArray]:
-        """Displacements of a joint [m/N], and their slip in a step, by forces on it for each
-        harmonic 0 to n / 2, (harmonics, values, values)."""
-        wheel, count = self.wheel, self.instants // 2 + 1
-        number = np.arange(count)
-        turn = 2.0 * np.pi / self.instants * number
-        of_waves: dict[int, ComplexArray] = {}
-        found = np.empty((2, count, wheel.values, wheel.values), dtype=np.complex128)
-        place = np.log(np.maximum(number, 0.5) * EXACT / self.instants) / np.log(EXACT / BACKWARD)
-        exact = np.cos(0.5 * np.pi * np.clip(place, 0.0, 1.0)) ** 2
-        for h, k in enumerate(self.diameter.tolist()):
-            wave = wheel.wave(k)
-            if id(wave) not in of_waves:
-                fast = np.sqrt(np.abs(wave.stiffness))
-                angle = max(self.step, self.period / RESOLVED) * fast
-                ratio = STIFF_RATIO * np.clip(angle / STIFF - 1.0, 0.0, 1.0)
-                steps = Steps(wave.stiffness, wave.damping + np.diag(2.0 * ratio * fast), self.step)
-                of_waves[id(wave)] = steps.answers(self.instants, at_ends=True)[0]
-            each = of_waves[id(wave)][..., h]
-            stepped = wheel.by_modes(k, each.ravel() if each.shape[1] == 1 else each[0])
-            true = wheel.by_modes(k, wave.admittance(turn[h] / self.step))
-            rates = 1j * turn[h], 1.0 - np.exp(-1j * turn[h])
-            for n, (smooth, backward) in enumerate(((1.0, 1.0), rates)):
-                found[n, h] = exact[h] * smooth * (true + wheel.residual(k))
-                found[n, h] += (1.0 - exact[h]) * backward * (stepped + wheel.residual(k))
-        return found[0], found[1]
-
-    @property
-    def diameter(self) -> IntArray:
-        """Nodal diameter of each harmonic 0 to n / 2 in the direction of rotation."""
-        sign = 1 if self.wheel.speed > 0.0 else -1
-        return sign * self.order * np.arange(self.instants // 2 + 1)
+    def responses(self) -> ComplexArray:
+        """Displacements S of a joint by forces on it [m/N], (H + 1, values, values)."""
+        wheel, diameter = self.wheel, self.order if self.wheel.speed > 0.0 else -self.order
+        turn = 2.0 * np.pi / self.period
+        each = [wheel.flexibility(h * diameter, h * turn) for h in self.number.tolist()]
+        return np.array(each, dtype=np.complex128)
 
     @cached_property
-    def free(self) -> FloatArray:
-        """Displacements of a joint without joint forces [m], (instants, values)."""
-        return np.fft.irfft(self.free_spectrum, self.instants, axis=0)
+    def effects(self) -> ComplexArray:
+        """Normal displacements and tangential slips of a joint by forces on it [m/N], (H + 1,
+        values, values)."""
+        found, tangential = self.responses.copy(), self.tangential
+        found[:, tangential] *= self.rates[:, None, None]
+        found[0, tangential, tangential] = CREEP * self.soft[tangential]
+        return found
 
     @cached_property
-    def free_spectrum(self) -> ComplexArray:
-        """Harmonics 0 to n / 2 of `free` as of `np.fft.rfft` [m], (harmonics, values)."""
+    def free(self) -> ComplexArray:
+        """Harmonics of the displacements of a joint without joint forces [m], (H + 1, values)."""
         wheel = self.wheel
-        spectrum = np.zeros((self.instants // 2 + 1, wheel.values), dtype=np.complex128)
+        found = np.zeros((self.harmonics + 1, wheel.values), dtype=np.complex128)
         for order in wheel.orders:
             moved = wheel.unloaded(order)
-            moved = moved if wheel.speed > 0.0 else moved.conj()
-            spectrum[order // self.order] += moved * (1.0 if order == 0 else 0.5)
-        return self.instants * spectrum
+            found[order // self.order] += moved if wheel.speed > 0.0 else moved.conj()
+        return found
 
     @cached_property
     def soft(self) -> FloatArray:
-        """Flexibilities 1 / rho of the natural map, the same for both tangents of a node [m/N],
+        """Flexibilities f of the trial forces, equal for both tangents of a node [m/N],
         (values,)."""
-        each = np.abs(np.diagonal(self.responses[0], axis1=1, axis2=2))
-        soft = CAUTION * np.median(each, axis=0)
-        soft[self.tangential] = soft[self.tangential].mean(axis=1)[:, None]
-        return np.asarray(soft)
+        each = np.abs(np.diagonal(self.responses[1:], axis1=1, axis2=2))
+        tangential = self.tangential
+        each[:, tangential] *= np.abs(self.rates[1:, None])
+        soft = np.asarray(np.median(each, axis=0))
+        soft[tangential] = soft[tangential].reshape(-1, 2).mean(axis=1).repeat(2)
+        return soft
 
-    @cached_property
+    @property
     def tangential(self) -> IntArray:
-        """Numbers of the tangential values, (nodes, 2)."""
-        nodes = np.arange(len(self.wheel.joint))
-        return DIRECTIONS * nodes[:, None] + np.arange(1, DIRECTIONS)
+        """Numbers of the tangential values."""
+        numbers = np.arange(self.wheel.values)
+        return numbers[numbers % DIRECTIONS > 0]
 
     @cached_property
-    def lagged(self) -> FloatArray:
-        """Normal displacements [m/N], and tangential slip, at each lag after a unit force at one
-        instant of each period, (instants, values, values)."""
-        found, slip = self.responses
-        spectrum = found.copy()
-        spectrum[:, self.tangential.ravel()] = slip[:, self.tangential.ravel()]
-        return np.fft.irfft(spectrum, self.instants, axis=0)
+    def load(self) -> FloatArray:
+        """Coefficients of the part of the trial forces due to engine orders [N], (2 H + 1,
+        values)."""
+        moved = self.free.copy()
+        moved[:, self.tangential] *= self.rates[:, None]
+        return -coefficients(moved) / self.soft
 
-    def moved(self, force: FloatArray) -> FloatArray:
-        """Return the displacements of a joint under forces [m], (instants, values)."""
-        if not force.any():
-            return self.free
-        spectrum = self.responses[0] @ np.fft.rfft(force, axis=0)[..., None]
-        return np.asarray(self.free + np.fft.irfft(spectrum[..., 0], self.instants, axis=0))
+    @cached_property
+    def rest(self) -> FloatArray:
+        """Coefficients of the part of the trial forces due to gaps at rest [N], (2 H + 1,
+        values)."""
+        found = np.zeros_like(self.load)
+        found[0, ::DIRECTIONS] = -self.wheel.gap / self.soft[::DIRECTIONS]
+        return found
+
+    @cached_property
+    def to_trial(self) -> FloatArray:
+        """Matrices from the real and imaginary parts of the harmonics of forces to those of trial
+        forces; of the mean, the imaginary part is not used, (H + 1, 2 * values, 2 * values)."""
+        real, imaginary = self.effects.real, self.effects.imag
+        found = np.block([[real, -imaginary], [imaginary, real]]) / -np.tile(self.soft, 2)[:, None]
+        each = np.arange(found.shape[1])
+        found[:, each, each] += 1.0
+        return found
+
+    @cached_property
+    def series(self) -> FloatArray:
+        """Matrix from coefficients to values at the instants, (instants, 2 H + 1)."""
+        return series(self.harmonics, self.instants)
+
+    @cached_property
+    def to_coefficients(self) -> FloatArray:
+        """Matrix from values at the instants to coefficients, (2 H + 1, instants)."""
+        found = 2.0 / self.instants * self.series.T
+        found[0] *= 0.5
+        return found
+
+    @property
+    def size(self) -> float:
+        """Typical force [N]."""
+        return float(np.abs(self.load).max() + np.abs(self.rest).max())
 
 
 def common_order(wheel: JointedWheel) -> int:
@@ -184,98 +161,105 @@ def common_order(wheel: JointedWheel) -> int:
     return gcd(*wheel.orders)
 
 
+def series(harmonics: int, instants: int) -> FloatArray:
+    """Return the values of 1, cos t, -sin t, cos 2 t ... at instants of a period, (instants,
+    2 * harmonics + 1)."""
+    turn = 2j * np.pi / instants * np.outer(np.arange(instants), np.arange(1, harmonics + 1))
+    wave = np.exp(turn)
+    each = np.stack([wave.real, -wave.imag], axis=-1).reshape(instants, -1)
+    return np.hstack([np.ones((instants, 1)), each])
+
+
+def coefficients(harmonics: ComplexArray) -> FloatArray:
+    """Return the mean, and real and imaginary parts, of complex amplitudes (H + 1, values), (2 H +
+    1, values)."""
+    parts = np.stack([harmonics.real, harmonics.imag], axis=1).reshape(-1, harmonics.shape[1])
+    return np.delete(parts, 1, axis=0)
+
+
 @dataclass(frozen=True)
 class JointMotion:
     """Forces on a joint over one period."""
 
     grid: JointGrid
-    force: FloatArray  #: normal and tangential forces of each node [N], (instants, values)
-    steps: int = 0  #: Newton steps that led to it
-    change: float = np.inf  #: relative change of its low harmonics with the last refinement
+    parts: FloatArray
+    """Mean of the forces, and real and imaginary parts of their harmonics [N], (2 H + 1,
+    values)."""
+    change: float = np.inf  #: relative change with the last refinement, see `joint_search`
 
     @classmethod
     def at_rest(cls, grid: JointGrid) -> "JointMotion":
         """Return the motion whose forces are the static normal forces without friction."""
-        wheel = grid.wheel
         normal = slice(None, None, DIRECTIONS)
-        flexible = wheel.flexibility(0, 0.0).real[normal, normal]
-        force = np.zeros((grid.instants, wheel.values))
-        force[:, normal] = pressed(flexible, wheel.gap)
-        return cls(grid, force)
+        parts = np.zeros_like(grid.load)
+        parts[0, normal] = pressed(grid.responses[0].real[normal, normal], grid.wheel.gap)
+        return cls(grid, parts)
+
+    def on(self, grid: JointGrid) -> "JointMotion":
+        """Return the motion on another grid, without harmonics that one of both does not have."""
+        parts, shared = np.zeros_like(grid.load), min(len(self.parts), len(grid.load))
+        parts[:shared] = self.parts[:shared]
+        return JointMotion(grid, parts)
+
+    @property
+    def harmonics(self) -> ComplexArray:
+        """Complex amplitudes of the forces [N], (H + 1, values)."""
+        real = np.vstack([self.parts[:1], self.parts[1::2]])
+        return np.asarray(real + 1j * np.vstack([0.0 * self.parts[:1], self.parts[2::2]]))
 
     @cached_property
-    def displacement(self) -> FloatArray:
-        """Displacements d of the joint [m], (instants, values)."""
-        return self.grid.moved(self.force)
+    def moved(self) -> ComplexArray:
+        """Complex amplitudes of the displacements of the joint [m], (H + 1, values)."""
+        pushed = np.einsum("hij,hj->hi", self.grid.responses, self.harmonics)
+        return np.asarray(self.grid.free + pushed)
+
+    def trial(self, share: float = 1.0) -> FloatArray:
+        """Return the coefficients of the trial forces under a share of the engine orders [N],
+        (2 H + 1, values)."""
+        grid, parts, values = self.grid, self.parts, self.grid.wheel.values
+        own = np.empty_like(parts)
+        own[0] = grid.to_trial[0, :values, :values] @ parts[0]
+        both = parts[1:].reshape(-1, 2 * values, 1)
+        own[1:] = (grid.to_trial[1:] @ both).reshape(-1, values)
+        return np.asarray(own + share * grid.load + grid.rest)
 
     @cached_property
-    def normal(self) -> FloatArray:
-        """Normal forces [N], (instants, nodes)."""
-        return self.force[:, ::DIRECTIONS]
+    def _at_instants(self) -> FloatArray:
+        return self._sampled(self.grid.series @ self.trial())
 
-    @cached_property
-    def tangential(self) -> FloatArray:
-        """Tangential forces [N], (instants, nodes, 2)."""
-        return self.force[:, self.grid.tangential]
+    def _sampled(self, values: FloatArray) -> FloatArray:
+        return values.reshape(len(values), -1, DIRECTIONS)
 
-    @cached_property
-    def gap(self) -> FloatArray:
-        """Gaps [m], (instants, nodes)."""
-        return np.asarray(self.displacement[:, ::DIRECTIONS] + self.grid.wheel.gap)
-
-    @cached_property
-    def slip(self) -> FloatArray:
-        """Slip in a step [m], (instants, nodes, 2)."""
-        grid = self.grid
-        turn = 2j * np.pi / grid.instants * np.arange(len(grid.free_spectrum))
-        pushed = grid.responses[1] @ np.fft.rfft(self.force, axis=0)[..., None]
-        spectrum = turn[:, None] * grid.free_spectrum + pushed[..., 0]
-        return np.fft.irfft(spectrum, grid.instants, axis=0)[:, grid.tangential]
-
-    @cached_property
-    def trial(self) -> FloatArray:
-        """Tangential forces tau of the natural map [N], (instants, nodes, 2)."""
-        return self.tangential - self.slip / self.grid.soft[self.grid.tangential]
-
-    @cached_property
-    def pressure(self) -> FloatArray:
-        """Normal forces p of the natural map [N], (instants, nodes)."""
-        return self.normal - self.gap / self.grid.soft[::DIRECTIONS]
-
-    @cached_property
+    @property
     def states(self) -> IntArray:
-        """States by the natural map, (instants, nodes)."""
-        limit = self.grid.wheel.friction * self.pressure
-        slips = np.linalg.norm(self.trial, axis=-1) > limit
-        closed = np.where(slips, SLIPPING, STUCK)
-        return np.where(self.pressure > 0.0, closed, OPEN)
+        """States, see `joint_law`, (instants, nodes)."""
+        return joint_law.states(self._at_instants, self.grid.wheel.friction)
+
+    @property
+    def force(self) -> FloatArray:
+        """Forces of the law: normal, two tangents [N], (instants, nodes, 3)."""
+        return joint_law.projected(self._at_instants, self.grid.wheel.friction, 0.0).force
+
+    def at(self, instants: int) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Return forces [N] and displacements [m], normal and two tangents, (instants, nodes, 3),
+        and states (instants, nodes) at equally spaced instants of a period."""
+        friction, wave = self.grid.wheel.friction, series(self.grid.harmonics, instants)
+        trial = self._sampled(wave @ self.trial())
+        force = joint_law.projected(trial, friction, 0.0).force
+        moved = self._sampled(wave @ coefficients(self.moved))
+        return force, moved, joint_law.states(trial, friction)
 
     @property
     def error(self) -> float:
-        """Largest error of the equations of the states [m]."""
-        states, friction = self.states, self.grid.wheel.friction
-        tau = self.trial
-        size = np.linalg.norm(tau, axis=-1, keepdims=True)
-        way = np.divide(tau, size, out=np.zeros_like(tau), where=size > 0.0)
-        off = self.tangential - (friction * self.normal)[..., None] * way
-        soft = self.grid.soft[self.grid.tangential]
-        return max(
-            float(np.abs(self.gap[states != OPEN]).max(initial=0.0)),
-            float(np.abs(self.slip[states == STUCK]).max(initial=0.0)),
-            float(np.abs((soft * off)[states == SLIPPING]).max(initial=0.0)),
-        )
+        """Largest error of the forces times the flexibility [m]."""
+        grid = self.grid
+        values = self.force.reshape(grid.instants, -1)
+        return float(np.abs((self.parts - grid.to_coefficients @ values) * grid.soft).max())
 
     @property
     def touches(self) -> bool:
         """True if there is contact at some time."""
-        return bool(self.normal.any())
-
-    @property
-    def harmonics(self) -> ComplexArray:
-        """Complex amplitudes of the forces [N], (harmonics, values)."""
-        spectrum = np.fft.rfft(self.force, axis=0) * (2.0 / self.grid.instants)
-        spectrum[0] *= 0.5
-        return np.asarray(spectrum)
+        return bool((self.states != joint_law.OPEN).any())
 
     def of_order(self, order: int) -> ComplexArray:
         """Return the complex amplitude of the forces of an engine order r for the time factor exp(i
@@ -285,33 +269,19 @@ class JointMotion:
 
     def of_points(self) -> FloatArray:
         """Return the displacements of `JointedWheel.points` [m], (instants, points, 3)."""
-        wheel, count = self.grid.wheel, self.grid.instants
-        orders = [h * self.grid.order for h in range(count // 2)]
-        moved = np.stack([wheel.at_points(each, self.of_order(each)) for each in orders])
-        moved = moved if wheel.speed > 0.0 else moved.conj()
-        moved[1:] *= 0.5
-        return np.fft.irfft(count * moved, count, axis=0)
+        grid = self.grid
+        orders = (grid.number * grid.order).tolist()
+        moved = np.stack([grid.wheel.at_points(each, self.of_order(each)) for each in orders])
+        moved = moved if grid.wheel.speed > 0.0 else moved.conj()
+        values = grid.series @ coefficients(moved.reshape(len(moved), -1))
+        return np.asarray(values.reshape(grid.instants, -1, DIRECTIONS))
 
     @cached_property
     def work(self) -> FloatArray:
         """Work that each node takes from the blades in a period [J], (nodes,): the integral of the
-        force times the velocity of the trigonometric interpolants."""
-        count = self.grid.instants
-        numbers = 2j * np.pi * np.arange(count // 2 + 1)
-        numbers[-1] = 0.0
-        rate = np.fft.irfft(
-            numbers[:, None] * np.fft.rfft(self.displacement, axis=0), count, axis=0
-        )
-        power = -(self.force * rate).mean(axis=0)
-        return np.asarray(power.reshape(-1, DIRECTIONS).sum(axis=1))
-
-    def on(self, grid: JointGrid) -> "JointMotion":
-        """Return the motion on another grid, by linear interpolation."""
-        place = np.arange(grid.instants) * (len(self.force) / grid.instants)
-        low = place.astype(int)
-        share = (place - low)[:, None]
-        ahead = self.force[(low + 1) % len(self.force)]
-        return JointMotion(grid, (1.0 - share) * self.force[low] + share * ahead)
+        force times the velocity."""
+        power = np.pi * self.grid.number[:, None] * (self.harmonics.conj() * self.moved).imag
+        return np.asarray(power.sum(axis=0).reshape(-1, DIRECTIONS).sum(axis=1))
 
 
 def pressed(flexible: FloatArray, gap: FloatArray) -> FloatArray:
@@ -330,91 +300,3 @@ def pressed(flexible: FloatArray, gap: FloatArray) -> FloatArray:
             return force
         closed = after
     raise NotConverged("the static forces of the joints do not converge")
-
-
-def _stepped(motion: JointMotion, states: IntArray) -> JointMotion:
-    """Return the motion after a Newton step of the equations of states, (instants, nodes).
-
-    Raises:
-        NotConverged: the equations are singular.
-    """
-    grid, wheel = motion.grid, motion.grid.wheel
-    closed = np.repeat(states != OPEN, DIRECTIONS, axis=1)
-    force = np.where(closed, motion.force, 0.0)
-    motion = replace(motion, force=force)
-    if not closed.any():
-        return motion
-    instant, value = np.nonzero(closed)
-    lag = (instant[:, None] - instant) % grid.instants
-    place = (lag * wheel.values + value[:, None]) * wheel.values + value
-    matrix = np.take(grid.lagged.ravel(), place)
-    side = np.empty(motion.force.shape)
-    side[:, ::DIRECTIONS], side[:, grid.tangential] = motion.gap, motion.slip
-    side = side[closed]
-    own, node = np.nonzero(states)
-    row = DIRECTIONS * np.arange(len(own))[:, None] + np.arange(1, DIRECTIONS)
-    stuck = row[states[own, node] == STUCK].ravel()
-    matrix[stuck, stuck] += REGULAR * grid.soft[value[stuck]]
-    for component in grid.tangential[(states == STUCK).all(axis=0)].ravel():
-        always = np.flatnonzero(value == component)  # no slip leaves the mean of the forces open
-        matrix[np.ix_(always, always)] += grid.soft[component] / grid.instants
-        side[always] += grid.soft[component] * force[:, component].mean()
-    slipping = states[own, node] == SLIPPING
-    rows, own, node = row[slipping], own[slipping], node[slipping]
-    tau, limit = motion.trial[own, node], wheel.friction[node] * motion.normal[own, node]
-    size = np.linalg.norm(tau, axis=1)
-    e = tau / np.where(size > 0.0, size, 1.0)[:, None]
-    share = np.clip(limit / np.where(size > 0.0, size, 1.0), 0.0, 1.0)
-    across = np.eye(2) - e[:, :, None] * e[:, None]
-    soft = grid.soft[grid.tangential[node]][:, :, None]
-    turned = np.einsum("kab,kbc->kac", share[:, None, None] * across, matrix[rows])
-    each = np.arange(len(rows))
-    diagonal = soft * (np.eye(2) - share[:, None, None] * across)
-    for b in range(2):
-        for a in range(2):
-            turned[each, a, rows[:, b]] += diagonal[:, a, b]
-    turned[each, :, rows[:, 0] - 1] -= soft[:, :, 0] * wheel.friction[node][:, None] * e
-    matrix[rows] = turned
-    side[rows] = soft[:, :, 0] * (motion.tangential[own, node] - limit[:, None] * e)
-    try:
-        change = np.linalg.solve(matrix, -side)
-    except np.linalg.LinAlgError:
-        raise NotConverged("the equations of the joints are singular") from None
-    force = motion.force.copy()
-    force[closed] += change
-    return replace(motion, force=force)
-
-
-def solve(start: JointMotion, states: IntArray | None = None) -> JointMotion:
-    """Return the periodic motion to which Newton's method leads.
-
-    Args:
-        start: where it begins.
-        states: states of the first step, (instants, nodes); those of the start if None.
-
-    Raises:
-        NotConverged: no motion was found.
-    """
-    motion, states = start, start.states if states is None else states
-    size = np.abs(start.grid.free).max() + np.abs(start.grid.wheel.gap).max()
-    for step in range(STEPS):
-        motion = _stepped(motion, states)
-        if (motion.states == states).all() and motion.error <= SAME * size:
-            return replace(motion, steps=step + 1)
-        if not motion.error < WILD * size:
-            break
-        states = motion.states
-    raise NotConverged(
-        f"Newton's method did not converge with {start.grid.instants} instants; joints can have"
-        " several motions here, and jump"
-    )
-
-
-def stuck(grid: JointGrid) -> JointMotion:
-    """Return the periodic motion to which Newton's method leads from closed joints without slip.
-
-    Raises:
-        NotConverged: no motion was found.
-    """
-    start = JointMotion.at_rest(grid)
-    return solve(start, np.full(start.states.shape, STUCK))

@@ -62,21 +62,15 @@ class Steps:
         by_force = self.step * moved(_held(values), inverse[:, :, own:]) @ rows.T
         return moved(np.exp(values), inverse), by_force
 
-    def answers(self, instants: int, *, at_ends: bool = False) -> ComplexArray:
+    def answers(self, instants: int) -> ComplexArray:
         """Return the harmonics 0 to instants / 2 of q and q' for those of modal forces, q in the
         rows and the forces in the columns of each set of independent modes, (2, sets, size / 2,
-        size / 2, harmonics).
-
-        Args:
-            instants: number of instants in a period.
-            at_ends: the force of a step is that at its end, not the mean of both ends.
-        """
+        size / 2, harmonics)."""
         values, vectors, inverse = self._poles
         sets, own = len(values), values.shape[1] // 2
         turn = np.exp(2j * np.pi / instants * np.arange(instants // 2 + 1))
         held = self.step * _held(values)[:, :, None]
-        force = turn if at_ends else 0.5 * (1.0 + turn)
-        each = held * force / (turn - np.exp(values)[:, :, None])
+        each = 0.5 * held * (1.0 + turn) / (turn - np.exp(values)[:, :, None])
         parts = vectors[:, :, None] * inverse[:, None, :, own:].swapaxes(2, 3)
         moved = parts.reshape(sets, -1, 2 * own) @ each
         moved = moved.reshape(sets, 2, own, own, -1).swapaxes(0, 1)

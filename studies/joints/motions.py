@@ -12,22 +12,20 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.joints.build import jointed_wheel
-from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
+from bladewhirl.models.joints.wheel import JointedWheel
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.modal_loads import NEVER
 from bladewhirl.postprocess.joints.motions import plot_joints
 from bladewhirl.solvers.periodic.contact import NotConverged
-from bladewhirl.solvers.periodic.joint_paths import FIRST_INSTANTS, joint_motion
-from bladewhirl.solvers.periodic.joints import (
-    OPEN,
-    SLIPPING,
-    JointGrid,
-    JointMotion,
-)
+from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING
+from bladewhirl.solvers.periodic.joint_search import joint_motion
+from bladewhirl.solvers.periodic.joints import JointMotion
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
+
+INSTANTS = 128  #: least number of instants of the forces in the Dataset
 
 COLUMNS = (
     Column("speed", "Ω / ω₁ [–]", ".4f"),
@@ -40,8 +38,8 @@ COLUMNS = (
     Column("share_slipping", "slipping [–]", ".2f"),
     Column("work", "work in a period [J]", ".4g"),
     Column("joints"),
-    Column("instants", "instants", "d"),
-    Column("change", "change with the grid [–]", ".1e"),
+    Column("harmonics", "harmonics", "d"),
+    Column("change", "change with harmonics [–]", ".1e"),
     Column("residual", "residual", ".1e"),
 )
 """Columns of the solutions; of several joints the largest force and share, and all work."""
@@ -134,10 +132,10 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
     """Return the Dataset of motions at speeds, for a reference frequency [rad/s]."""
     wheel = motions[0].grid.wheel
     speeds = np.array([each.grid.wheel.speed for each in motions])
-    count = 2 * JointGrid.near(wheel, FIRST_INSTANTS).instants
-
-    def sampled(values: Callable[[JointMotion], Any]) -> Any:
-        return np.stack([values(each)[:: each.grid.instants // count] for each in motions])
+    count = wheel.blades * -(-INSTANTS // wheel.blades)  # all blades have the same instants
+    force, moved, states = (
+        np.stack(each) for each in zip(*(motion.at(count) for motion in motions), strict=True)
+    )
 
     def of_joints(values: Callable[[JointMotion], Any], merged: Callable[[Any], Any]) -> Any:
         """Return a value of each joint from those of its nodes, (speeds, joints)."""
@@ -145,7 +143,7 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
         return [[merged(values(each)[..., wheel.joint == n]) for n in numbers] for each in motions]
 
     sums = {
-        "largest_normal_force": of_joints(lambda m: m.normal, np.max),
+        "largest_normal_force": of_joints(lambda m: m.force[..., 0], np.max),
         "share_open": of_joints(lambda m: m.states == OPEN, np.mean),
         "share_slipping": of_joints(lambda m: m.states == SLIPPING, np.mean),
         "work": of_joints(lambda m: m.work, np.sum),
@@ -165,20 +163,18 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
             "point_amplitude": quantity(
                 (over, "point", "direction"), amplitude, "m", f"amplitude of engine order {order}"
             ),
-            "normal_force": quantity(nodes, sampled(lambda m: m.normal), "N", "normal force"),
+            "normal_force": quantity(nodes, force[..., 0], "N", "normal force"),
             "tangential_force": quantity(
-                (*nodes, "tangent"), sampled(lambda m: m.tangential), "N", "tangential force"
+                (*nodes, "tangent"), force[..., 1:], "N", "tangential force"
             ),
             "relative_displacement": quantity(
                 (*nodes, "component"),
-                sampled(lambda m: m.displacement.reshape(m.grid.instants, -1, DIRECTIONS)),
+                moved,
                 "m",
                 "displacement of the next blade relative to this one: normal, two tangents",
             ),
-            "state": quantity(
-                nodes, sampled(lambda m: m.states), "1", "open 0, stuck 1, slipping 2"
-            ),
-            "instants": (over, [each.grid.instants for each in motions]),
+            "state": quantity(nodes, states, "1", "open 0, stuck 1, slipping 2"),
+            "harmonics": (over, [each.grid.harmonics for each in motions]),
             "change": quantity(over, [each.change for each in motions], "1"),
             "residual": quantity(over, [each.error for each in motions], "m"),
             "period": quantity(over, [each.grid.period for each in motions], "s"),
@@ -221,8 +217,8 @@ def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
                 **{key: float(one[key].max("joint")) for key in list(OF_JOINTS)[:3]},
                 "work": float(one["work"].sum("joint")),
                 "joints": of_joints,
-                "instants": int(one["instants"]),
-                "change": float(one["change"]),
+                "harmonics": int(one["harmonics"]),
+                "change": _finite(float(one["change"])),
                 "residual": float(one["residual"]),
             }
         )
@@ -238,6 +234,11 @@ def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
         tables=[table(rows, COLUMNS, "Periodic motions with joints")],
         figures=lambda: {"periodic": (plot_joints(data), data)},
     )
+
+
+def _finite(value: float) -> float | None:
+    """Return a value, or None for infinity."""
+    return value if np.isfinite(value) else None
 
 
 def _largest(amplitudes: FloatArray) -> float | None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladewhirl.models.joints.wheel import JointedWheel
-from bladewhirl.solvers.periodic.joint_paths import joint_motion
+from bladewhirl.solvers.periodic.joint_search import joint_motion
 from bladewhirl.studies.verification.case import Pair, verifies
 
 SOFT = 10.0  #: flexibility of each side of a damper with a fifth of the stiffness

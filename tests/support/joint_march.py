@@ -23,6 +23,7 @@ class Wheel:
     friction: float
     angle: float  #: of the normal [rad]
     factors: tuple[float, ...] = ()  #: on the stiffness of each blade
+    close: float = 1e-6  #: relative change of the forces at which their iteration ends
 
     def march(self, steps: int, periods: int) -> tuple[FloatArray, FloatArray]:
         """Return the amplitude of the engine order of the displacement of each tip, (blades, 3),
@@ -101,6 +102,6 @@ class Wheel:
             after[:, 1:] *= (np.minimum(size, limit) / np.where(size > 0.0, size, 1.0))[:, None]
             change = np.abs(after - force).max()
             force = after
-            if change <= 1e-6 * np.abs(force).max():
+            if change <= self.close * np.abs(force).max():
                 break
         return force

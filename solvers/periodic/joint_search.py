@@ -1,0 +1,254 @@
+"""Search of periodic motions with joints: Newton's method, growing loads, and refinement.
+
+Newton's method for the equations of `joints` begins with a motion nearby, or with that of a smooth
+law under growing loads: at rest the motion is known, and a branch of motions leads from there to
+the whole loads, also where the loads fall along it for a while, see `arclength`. The smoothing then
+falls until Newton's method finds the motion of the true law. It begins with few harmonics, which
+are doubled until amplitude and work have converged.
+
+Motions in which joints lift off under light damping can depend on the number of harmonics, or be
+unstable; with more harmonics, there may be none nearby. The motion with the most harmonics is then
+the result, and `change` tells how much the last refinement changed it.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
+from bladewhirl.solvers.periodic import joint_law
+from bladewhirl.solvers.periodic.arclength import Branch, Equations, follow
+from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion, common_order
+
+FIRST, SEARCHED, MOST, MISSED = 8, 48, 128, 2
+"""Harmonics with which the search begins, up to which it may begin anew, and the most, for each
+engine order relative to their common divisor; numbers of harmonics without a motion after which the
+refinement ends."""
+CONVERGED, WORK_CONVERGED = 1e-3, 5e-3
+"""Largest change of the first harmonics of the forces and of the work with the last refinement,
+relative to themselves."""
+COMPARED = 2  #: number of harmonics, for each engine order, of which two grids are compared
+STEPS, CLOSE = 15, 1e-11
+"""Largest number of Newton steps, and largest error at their end, relative to typical forces."""
+HALVINGS, DESCENT = 6, 0.1
+"""Largest number of halvings of a Newton step, and the least share of its decrease."""
+SMOOTH, SHARPEST = (0.02, 0.1), 1e-6
+"""Smoothings of the law that are tried in turn, and the least one, relative to typical forces."""
+FALL, SLOWEST = 0.25, 0.95
+"""Least and largest factor from a smoothing to the next one."""
+PATH_STEPS, LONGEST, SHORT = 150, 0.3, 0.05
+"""Largest number of points of a branch of loads, its longest and first steps."""
+
+
+def _errors(motion: JointMotion, smooth: float, share: float) -> tuple[FloatArray, FloatArray]:
+    """Return the errors of the coefficients of forces [N], (2 H + 1, values), and the derivatives
+    of the law at the instants, (instants, nodes, 3, 3)."""
+    grid = motion.grid
+    trial = (grid.series @ motion.trial(share)).reshape(grid.instants, -1, DIRECTIONS)
+    law = joint_law.projected(trial, grid.wheel.friction, smooth)
+    return motion.parts - grid.to_coefficients @ law.force.reshape(grid.instants, -1), law.slope
+
+
+def _matrix(grid: JointGrid, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the derivatives of the errors by the coefficients of forces, (unknowns, unknowns), and
+    by the share of the engine orders, (unknowns,), from those of the law."""
+    highest, values = grid.harmonics, grid.wheel.values
+    size = 2 * highest + 1
+    spectrum = np.fft.fft(slope, axis=0) / len(slope)
+    number = grid.number[:, None]
+    less, more = (
+        spectrum[each % len(slope)] for each in (number - grid.number, number + grid.number)
+    )
+    of_parts = np.zeros((highest + 1, 2, highest + 1, 2, *slope.shape[1:]))
+    of_parts[:, 0, :, 0], of_parts[:, 0, :, 1] = (less + more).real, (more - less).imag
+    of_parts[:, 1, :, 0], of_parts[:, 1, :, 1] = (less + more).imag, (less - more).real
+    of_parts[0] *= 0.5
+    of_parts = np.delete(of_parts.reshape(size + 1, size + 1, *slope.shape[1:]), 1, axis=0)
+    every = np.zeros((size, values, size + 1, values))
+    for node in range(slope.shape[1]):
+        own = slice(DIRECTIONS * node, DIRECTIONS * (node + 1))
+        every[:, own, :, own] = of_parts[:, :, node].transpose(0, 2, 1, 3)
+    every[:, :, 1] = 0.0  # the mean has no imaginary part
+    unknowns = size * values
+    by_trial = every.reshape(unknowns, highest + 1, 2 * values).swapaxes(0, 1)
+    matrix = -(by_trial @ grid.to_trial).swapaxes(0, 1).reshape(unknowns, -1)
+    matrix = np.delete(matrix, np.s_[values : 2 * values], axis=1)
+    matrix[np.diag_indices(unknowns)] += 1.0
+    load = np.insert(grid.load, 1, 0.0, axis=0).reshape(highest + 1, -1, 1)
+    return matrix, -(by_trial @ load).sum(axis=0)[:, 0]
+
+
+def solve(start: JointMotion, smooth: float = 0.0) -> JointMotion:
+    """Return the periodic motion to which Newton's method leads.
+
+    Args:
+        start: where it begins.
+        smooth: smoothing of the law [N]; 0: the true law.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    motion, (error, slope) = start, _errors(start, smooth, 1.0)
+    for _ in range(STEPS):
+        size = float(np.linalg.norm(error))
+        if size <= CLOSE * (start.grid.size + np.abs(motion.parts).max()):
+            return motion
+        try:
+            matrix, _ = _matrix(start.grid, slope)
+            change = np.linalg.solve(matrix, error.ravel()).reshape(error.shape)
+        except np.linalg.LinAlgError:
+            break
+        length = 2.0
+        for _ in range(HALVINGS):
+            length *= 0.5
+            after = replace(motion, parts=motion.parts - length * change)
+            error, slope = _errors(after, smooth, 1.0)
+            if np.linalg.norm(error) <= (1.0 - DESCENT * length) * size:
+                break
+        motion = after
+    raise NotConverged(
+        f"Newton's method did not converge with {start.grid.harmonics} harmonics; joints can have"
+        " several motions here, and jump"
+    )
+
+
+def loaded(grid: JointGrid, smooth: float) -> JointMotion:
+    """Return the motion to which growing loads lead with a smoothing relative to typical forces.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    rest = JointMotion.at_rest(grid)
+
+    def at(forces: FloatArray, share: float) -> Equations:
+        error, slope = _errors(_with(rest, forces), smooth * grid.size, share)
+        matrix, by_share = _matrix(grid, slope)
+        return Equations(error.ravel() / grid.size, matrix, by_share / grid.size)
+
+    branch = Branch(at)
+    before = branch.begin(rest.parts.ravel() / grid.size, 0.0, 1.0)
+    points = follow(before, branch.ahead, LONGEST, SHORT)
+    for _, (point, _) in zip(range(PATH_STEPS), points, strict=False):
+        if point.parameter >= 1.0:
+            return sharpened(_with(rest, branch.landed(before, point, 1.0).unknowns), smooth)
+        before = point
+    raise NotConverged(
+        f"the branch of motions with {grid.harmonics} harmonics under growing loads is too long;"
+        " joints can have several motions here, and jump"
+    )
+
+
+def _with(motion: JointMotion, forces: FloatArray) -> JointMotion:
+    """Return a motion with forces relative to typical ones, (unknowns,)."""
+    return replace(motion, parts=(forces * motion.grid.size).reshape(motion.parts.shape))
+
+
+def sharpened(motion: JointMotion, smooth: float) -> JointMotion:
+    """Return the motion to which one of a law with a smoothing leads while the smoothing falls.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    factor = FALL
+    while True:
+        try:
+            return solve(motion)
+        except NotConverged:
+            if smooth < SHARPEST:
+                raise
+        while True:
+            try:
+                motion = solve(motion, factor * smooth * motion.grid.size)
+            except NotConverged:
+                factor **= 0.5
+                if factor > SLOWEST:
+                    raise
+                continue
+            smooth, factor = factor * smooth, max(FALL, factor**1.5)
+            break
+
+
+def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> JointMotion:
+    """Return a periodic motion with so many harmonics that forces and work have converged.
+
+    Args:
+        wheel: the wheel with joints.
+        start: a motion near it, as at another speed; None: none is known.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    unit = max(wheel.orders) // common_order(wheel)
+    motion = _first(JointGrid(wheel, FIRST * unit), start)
+    highest, missed = 2 * motion.grid.harmonics, 0
+    while highest <= MOST * unit:
+        grid = JointGrid(wheel, highest)
+        try:
+            finer = _refined(motion, grid, anew=highest <= SEARCHED * unit)
+        except NotConverged:
+            highest, missed = highest + highest // 4, missed + 1
+            if missed > MISSED:
+                break
+            continue
+        one, other = (each.harmonics[: COMPARED * unit] for each in (motion, finer))
+        change, worked = _relative(one, other), _relative(motion.work, finer.work)
+        motion, highest = replace(finer, change=max(change, worked)), 2 * highest
+        if change <= CONVERGED and worked <= WORK_CONVERGED:
+            break
+    return motion
+
+
+def _relative(one: FloatArray | ComplexArray, other: FloatArray | ComplexArray) -> float:
+    """Return the change from one array to another relative to the latter."""
+    size = float(np.linalg.norm(other))
+    return float(np.linalg.norm(other - one)) / size if size > 0.0 else 0.0
+
+
+def _first(grid: JointGrid, start: JointMotion | None) -> JointMotion:
+    """Return a motion with few harmonics.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    ways: list[Callable[[], JointMotion]] = [
+        partial(loaded, each, smooth)
+        for each in (grid, JointGrid(grid.wheel, 2 * grid.harmonics))
+        for smooth in SMOOTH
+    ]
+    if start is not None:
+        ways.insert(0, partial(solve, start.on(grid)))
+    return _first_of(ways)
+
+
+def _first_of(ways: Iterable[Callable[[], JointMotion]]) -> JointMotion:
+    """Return the motion of the first way that finds one.
+
+    Raises:
+        NotConverged: none does.
+    """
+    missed = NotConverged()
+    for way in ways:
+        try:
+            return way()
+        except NotConverged as reason:
+            missed = reason
+    raise missed
+
+
+def _refined(motion: JointMotion, grid: JointGrid, *, anew: bool) -> JointMotion:
+    """Return the motion with more harmonics; `anew`: it may be reached through smooth laws.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    near = motion.on(grid)
+    ways: list[Callable[[], JointMotion]] = [partial(solve, near)]
+    if anew:
+        smooth = SMOOTH[0]
+        ways.append(lambda: sharpened(solve(near, smooth * grid.size), smooth))
+        ways += [partial(loaded, grid, each) for each in SMOOTH]
+    return _first_of(ways)
