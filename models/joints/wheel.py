@@ -19,7 +19,7 @@ all k. Those of a wheel are sums over its blades j,
     P_k = sum_j exp(-2 pi i j k / N) P_j / N^(1/2),  C_k = sum_j exp(-2 pi i j k / N) C_j0.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -177,6 +177,15 @@ class JointedWheel:
         moved = np.sqrt(own) * self.points @ modal
         moved = moved + np.einsum("pbi,b,i->p", self.points_by_force, ahead, spread)
         return np.asarray(moved.reshape(-1, 3))
+
+    def limit(self, order: int, held: Sequence[int]) -> ComplexArray:
+        """Return the displacements of `points` for an engine order as of `at_points` if some
+        directions of all nodes do not move, 0 the normal one, 1 and 2 the tangents."""
+        force = np.zeros(self.values, dtype=np.complex128)
+        fixed = np.flatnonzero(np.isin(np.arange(self.values) % DIRECTIONS, held))
+        flexible = self.flexibility(order, self.frequency(order))[np.ix_(fixed, fixed)]
+        force[fixed] = np.linalg.solve(flexible, -self.unloaded(order)[fixed])
+        return self.at_points(order, force)
 
     @cached_property
     def all_blades(self) -> tuple[FloatArray, FloatArray]:

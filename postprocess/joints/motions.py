@@ -2,10 +2,12 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.axes import blade_axis, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
@@ -19,6 +21,7 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import set_title
 
+TOP = 1.15  #: upper end of the axis of amplitudes, relative to the largest one
 SHOWN = 5  #: largest number of speeds whose loops are drawn
 STATES = {"open": "white", "stuck": COLOURS["rest"], "slipping": COLOURS["k = 1"]}
 """Colours of the states, in the order of their numbers."""
@@ -56,14 +59,56 @@ def plot_joints(data: xr.Dataset) -> Figure:
     blade_axis(states, blades, of_y=True)
     states.set(xlabel="share of the period", ylabel="joint after blade")
     states.set_title(f"states at {float(data['rpm'][largest]):.6g} rpm")
-    size = np.linalg.norm(data["point_amplitude"].values, axis=-1)[order]
-    unit, scale = handy_unit(float(size.max(initial=0.0)), "m")
-    for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
-        curve.plot(data["rpm"].values[order], scale * values, ".-", label=f"point {number}")
-    curve.set(xlabel="speed [rpm]", ylabel=f"amplitude [{unit}]", ylim=(0.0, None))
+    _draw_amplitudes(curve, data.isel(speed=order), data["rpm"].values[order], ".-")
+    curve.set_xlabel("speed [rpm]")
     curve.locator_params(axis="x", nbins=5)
     set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
     patches = [(Patch(fc=colour, ec="black"), name) for name, colour in STATES.items()]
     groups = [Group(each) for each in (entries_of(loops), patches, entries_of(curve))]
     legends_below(figure, *groups)
+    return figure
+
+
+def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str) -> str:
+    """Draw the amplitudes of points, the linear limits of the first one, and motions that are not
+    stable, over a parameter; return the unit."""
+    size = np.linalg.norm(data["point_amplitude"].values, axis=-1)
+    unit, scale = handy_unit(float(size.max(initial=0.0)), "m")
+    for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
+        axes.plot(over, scale * values, style, label=f"point {number}")
+    axes.set(ylabel=f"amplitude [{unit}]")
+    if not data.sizes["point"]:
+        return unit
+    limits = data["linear_limit"].isel(point=0)
+    for name, dashes in zip(data["limit"].values.tolist(), ("-", "--", ":"), strict=True):
+        values = scale * limits.sel(limit=name).values
+        axes.plot(over, values, dashes, color=COLOURS["rest"], zorder=1, label=name)
+    lost = ~data["stable"].values
+    if lost.any():
+        axes.plot(over[lost], scale * size[lost, 0], "x", color="black", ms=3, label="not stable")
+    axes.set_ylim(0.0, TOP * scale * size.max())
+    return unit
+
+
+@styled
+def plot_joint_branch(data: xr.Dataset) -> Figure:
+    """Draw the amplitudes of points over a key, with the smallest one of the first point, the
+    linear limits, and the shares of the period in which the joints are open and slip."""
+    figure = new_figure(width=FULL_WIDTH, height=0.07)
+    curve, shares = side_by_side(figure, 2)
+    over = data["parameter"].values
+    unit = _draw_amplitudes(curve, data, over, "-")
+    if data.sizes["point"]:
+        size = np.linalg.norm(data["point_amplitude"].isel(point=0).values, axis=-1)
+        least, scale = int(size.argmin()), handy_unit(float(size.max()), "m")[1]
+        label = f"smallest: {scale * size[least]:.4g} {unit} at {over[least]:.4g}"
+        curve.plot(over[least], scale * size[least], "o", color=COLOURS["k = 1"], ms=4, label=label)
+    for name, label in (("share_open", "open"), ("share_slipping", "slipping")):
+        shares.plot(over, data[name].max("joint").values, label=label)
+    shares.set(ylabel="share of the period", ylim=(0.0, 1.0))
+    for axes in (curve, shares):
+        axes.set_xlabel(f"{data.attrs['key']} [{data.attrs['unit'] or '–'}]")
+        axes.locator_params(axis="x", nbins=5)
+    set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
+    legends_below(figure, *(Group(entries_of(axes)) for axes in (curve, shares)))
     return figure

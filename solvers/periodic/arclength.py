@@ -2,7 +2,8 @@
 
 A branch satisfies F(x, p) = 0 for unknowns x and a parameter p. A step predicts a point along the
 tangent (x', p'), F_x x' + F_p p' = 0, and Newton's method corrects it in the plane across the
-tangent. The parameter may turn back, at a fold.
+tangent. The parameter may turn back, at a fold. Lengths are relative to the unknowns, (|x'|^2 / s^2
++ p'^2)^(1/2) with s = |x| or a least size.
 """
 
 from collections.abc import Callable, Iterator
@@ -79,7 +80,8 @@ class Point:
     """A solution, and the tangent of its branch."""
 
     place: FloatArray  #: unknowns, and the parameter as the last one, (unknowns + 1,)
-    tangent: FloatArray  #: unit vector, (unknowns + 1,)
+    tangent: FloatArray  #: tangent of the length 1, (unknowns + 1,)
+    metric: FloatArray  #: 1 / s^2, and 1 for the parameter, (unknowns + 1,)
     steps: int = 0  #: Newton steps of the correction
 
     @property
@@ -95,9 +97,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Branch:
-    """Solutions of equations, whose unknowns and parameter are of the size of one."""
+    """Solutions of equations."""
 
     equations: Callable[[FloatArray, float], Equations]
+    least: float = 1.0  #: least size s
 
     def begin(self, unknowns: FloatArray, parameter: float, sign: float) -> Point:
         """Return a solution at a parameter, which changes with a sign along the tangent.
@@ -107,16 +110,20 @@ class Branch:
         """
         along = np.zeros(len(unknowns) + 1)
         along[-1] = sign
-        found = self._corrected(np.append(unknowns, parameter), along)
+        found = self._corrected(np.append(unknowns, parameter), along, np.ones_like(along))
         if found is None:
             raise NotConverged("Newton's method fails at the start of a branch")
         return found
 
     def ahead(self, start: Point, length: float) -> Point | None:
         """Return the point at a distance from another one; None if it is not near."""
-        found = self._corrected(start.place + length * start.tangent, start.tangent)
-        near = found is not None and found.tangent @ start.tangent >= TURN
-        return found if near else None
+        along, metric = start.tangent, start.metric
+        found = self._corrected(start.place + length * along, along, metric)
+        if found is None or (found.tangent * metric) @ along < TURN * _length(
+            found.tangent, metric
+        ):
+            return None
+        return found
 
     def landed(self, before: Point, after: Point, parameter: float) -> Point:
         """Return the solution at a parameter between those of two points.
@@ -128,23 +135,30 @@ class Branch:
         place = before.unknowns + share * (after.unknowns - before.unknowns)
         return self.begin(place, parameter, float(np.sign(after.tangent[-1])))
 
-    def _corrected(self, first: FloatArray, along: FloatArray) -> Point | None:
+    def _corrected(self, first: FloatArray, along: FloatArray, metric: FloatArray) -> Point | None:
         """Return the point in the plane across a direction through a place; None if Newton's method
         fails."""
-        place = first
+        place, across = first, along * metric
         for step in range(CORRECTIONS):
             found = self.equations(place[:-1], float(place[-1]))
-            largest = np.abs(found.error).max(initial=0.0)
+            size = max(self.least, float(np.linalg.norm(place[:-1])))
+            largest = np.abs(found.error).max(initial=0.0) / size
             if not np.isfinite(largest):
                 return None
-            matrix = np.block([[found.matrix, found.by_parameter[:, None]], [along[None]]])
+            matrix = np.block([[found.matrix, found.by_parameter[:, None]], [across[None]]])
             sides = np.zeros((len(place), 2))
-            sides[:-1, 0], sides[-1] = found.error, (along @ (place - first), 1.0)
+            sides[:-1, 0], sides[-1] = found.error, (across @ (place - first), 1.0)
             try:
                 change, tangent = np.linalg.solve(matrix, sides).T
             except np.linalg.LinAlgError:
                 return None
             if largest <= NEAR:
-                return Point(place, tangent / np.linalg.norm(tangent), step)
+                own = np.append(np.full(len(place) - 1, size**-2), 1.0)
+                return Point(place, tangent / _length(tangent, own), own, step)
             place = place - change
         return None
+
+
+def _length(tangent: FloatArray, metric: FloatArray) -> float:
+    """Return the length of a tangent."""
+    return float(np.sqrt((tangent**2 * metric).sum()))

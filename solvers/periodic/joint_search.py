@@ -11,7 +11,7 @@ unstable; with more harmonics, there may be none nearby. The motion with the mos
 the result, and `change` tells how much the last refinement changed it.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -42,6 +42,11 @@ FALL, SLOWEST = 0.25, 0.95
 """Least and largest factor from a smoothing to the next one."""
 PATH_STEPS, LONGEST, SHORT = 150, 0.3, 0.05
 """Largest number of points of a branch of loads, its longest and first steps."""
+FARTHEST, NUDGE = 0.1, 1e-7
+"""Longest step of a branch over a parameter, relative to the forces, and the change of the share of
+its range for derivatives."""
+ROUNDED = 1e-2  #: smoothing of the law along it, relative to the forces at its start
+LEAST = 0.1  #: least size of forces in lengths along a branch, relative to those at its start
 
 
 def _errors(motion: JointMotion, smooth: float, share: float) -> tuple[FloatArray, FloatArray]:
@@ -252,3 +257,52 @@ def _refined(motion: JointMotion, grid: JointGrid, *, anew: bool) -> JointMotion
         ways.append(lambda: sharpened(solve(near, smooth * grid.size), smooth))
         ways += [partial(loaded, grid, each) for each in SMOOTH]
     return _first_of(ways)
+
+
+def branch(
+    start: JointMotion, grid_at: Callable[[float], JointGrid], points: int
+) -> Iterator[tuple[float, JointMotion, float]]:
+    """Yield the share of a range, the motion, and the direction in which the share changes, of the
+    points of a branch, until it leaves the range.
+
+    Args:
+        start: motion at the share 0.
+        grid_at: wheel at a share, with the harmonics of the start.
+        points: number of the longest steps over the range.
+
+    Raises:
+        NotConverged: the branch was lost.
+    """
+    unit, length = float(np.linalg.norm(start.parts)), points * FARTHEST
+    smooth = ROUNDED * float(np.abs(start.parts).max())
+
+    def motion(forces: FloatArray, share: float) -> JointMotion:
+        return JointMotion(grid_at(share), unit * forces.reshape(start.parts.shape))
+
+    def at(forces: FloatArray, place: float) -> Equations:
+        here, ahead = (motion(forces, place / length + step) for step in (0.0, NUDGE))
+        error, slope = _errors(here, smooth, 1.0)
+        after, _ = _errors(ahead, smooth, 1.0)
+        by_place = (after - error).ravel() / NUDGE / length / unit
+        return Equations(error.ravel() / unit, _matrix(here.grid, slope)[0], by_place)
+
+    def true(found: JointMotion) -> JointMotion:
+        try:
+            return solve(found)
+        except NotConverged:  # as near a fold, which the smooth law moves
+            return found
+
+    curve = Branch(at, LEAST)
+    near = solve(start, smooth)
+    point = curve.begin(near.parts.ravel() / unit, 0.0, 1.0)
+    yield 0.0, start, 1.0
+    for ahead, _ in follow(point, curve.ahead, FARTHEST, FARTHEST):
+        edge = min(max(ahead.parameter, 0.0), length)
+        if left := edge != ahead.parameter:
+            ahead = curve.landed(point, ahead, edge)
+        share = ahead.parameter / length
+        found = true(motion(ahead.unknowns, share))
+        yield share, found, float(np.sign(ahead.tangent[-1]))
+        if left:
+            return
+        point = ahead

@@ -48,7 +48,10 @@ def periodic(
 
     With [[joint]] the motion is that of a tuned wheel whose blades touch each other in friction
     joints, under engine orders and without a rub, from one blade or sector; the table lists
-    amplitudes of the loaded points, forces, states and work of the joints.
+    amplitudes of the loaded points, forces, states and work of the joints, and stability over
+    deviations of all blades. With --over march.speed, joint.NAME.preload, joint.NAME.friction or
+    excitation.amplitude the motion is followed over the key; the figure marks the smallest
+    amplitude.
 
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
     bladewhirl render, export and plot make films, series for ParaView and figures.
@@ -139,7 +142,7 @@ def _branch(
             points=study.POINTS if points is None else points,
             periods=periods,
             origin=origin,
-            directory=folder,
+            directory=None if case.joint else folder,
             overwrite=overwrite,
             progress=lambda share, done: update(int(share * 100), 100, text=f"{done} points"),
         )

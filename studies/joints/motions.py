@@ -21,10 +21,12 @@ from bladewhirl.postprocess.joints.motions import plot_joints
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING
 from bladewhirl.solvers.periodic.joint_search import joint_motion
+from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
 from bladewhirl.solvers.periodic.joints import JointMotion
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
 
+VAGUE = 0.05  #: change with the harmonics from which on a hint names a motion
 INSTANTS = 128  #: least number of instants of the forces in the Dataset
 
 COLUMNS = (
@@ -38,11 +40,17 @@ COLUMNS = (
     Column("share_slipping", "slipping [–]", ".2f"),
     Column("work", "work in a period [J]", ".4g"),
     Column("joints"),
+    Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+    Column("stable", "stable"),
+    Column("linear_limits"),
     Column("harmonics", "harmonics", "d"),
     Column("change", "change with harmonics [–]", ".1e"),
     Column("residual", "residual", ".1e"),
 )
 """Columns of the solutions; of several joints the largest force and share, and all work."""
+
+LIMITS = {"free": (), "closed without friction": (0,), "stuck": (0, 1, 2)}
+"""Linear limits, with the directions of the joint that do not move: normal, two tangents."""
 
 OF_JOINTS = {
     "largest_normal_force": ("N", "largest normal force"),
@@ -76,10 +84,10 @@ def periodic(
         stage = cast(Matrices, build_stage(at_speed))  # only superelements have joints
         reference = stage.reference_frequency
         problem = contact_problem(stage, steps=False)
-        wheel = _checked(problem, jointed_wheel(stage))
+        wheel = checked(problem, jointed_wheel(stage))
         try:
             motion = joint_motion(wheel, motion)
-            if reason := _beyond(problem, motion):
+            if reason := beyond(problem, motion):
                 failures.append(f"periodic: at {speed} {reason}")
             else:
                 found.append(motion)
@@ -89,10 +97,10 @@ def periodic(
             progress(done, len(given))
     if not found:
         raise UserError(*failures)
-    return _dataset(case, found, reference).assign_attrs(failures="\n".join(failures))
+    return dataset(case, found, reference).assign_attrs(failures="\n".join(failures))
 
 
-def _checked(problem: ContactProblem, wheel: JointedWheel) -> JointedWheel:
+def checked(problem: ContactProblem, wheel: JointedWheel) -> JointedWheel:
     """Return a wheel to which the method applies.
 
     Raises:
@@ -109,7 +117,7 @@ def _checked(problem: ContactProblem, wheel: JointedWheel) -> JointedWheel:
     return wheel
 
 
-def _beyond(problem: ContactProblem, motion: JointMotion) -> str:
+def beyond(problem: ContactProblem, motion: JointMotion) -> str:
     """Return why a motion is not one of the joints alone; empty if it is."""
     moved = motion.of_points()
     largest = float(np.abs(moved).max(initial=0.0))
@@ -128,7 +136,7 @@ def _beyond(problem: ContactProblem, motion: JointMotion) -> str:
     return ""
 
 
-def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.Dataset:
+def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.Dataset:
     """Return the Dataset of motions at speeds, for a reference frequency [rad/s]."""
     wheel = motions[0].grid.wheel
     speeds = np.array([each.grid.wheel.speed for each in motions])
@@ -153,6 +161,14 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
     amplitude = [
         np.abs(each.grid.wheel.at_points(order, each.of_order(order)))[:points] for each in motions
     ]
+    limits = [
+        [
+            np.linalg.norm(each.grid.wheel.limit(order, held)[:points], axis=-1)
+            for held in LIMITS.values()
+        ]
+        for each in motions
+    ]
+    largest = np.array([abs(multipliers(each)[0]) for each in motions])
     over, nodes = "speed", ("speed", "instant", "joint_node")
     return xr.Dataset(
         {
@@ -163,6 +179,16 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
             "point_amplitude": quantity(
                 (over, "point", "direction"), amplitude, "m", f"amplitude of engine order {order}"
             ),
+            "linear_limit": quantity(
+                (over, "limit", "point"),
+                limits,
+                "m",
+                "amplitude with joints free, closed without friction, or stuck",
+            ),
+            "largest_multiplier": quantity(
+                over, largest, "1", "factor by which a deviation grows in a period"
+            ),
+            "stable": (over, largest < 1.0 + NEUTRAL),
             "normal_force": quantity(nodes, force[..., 0], "N", "normal force"),
             "tangential_force": quantity(
                 (*nodes, "tangent"), force[..., 1:], "N", "tangential force"
@@ -187,6 +213,7 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
             "name": ("joint_node", [wheel.names[n] for n in wheel.joint]),
             "point": list(wheel.loaded),
             "direction": ["radial", "tangential", "axial"],
+            "limit": list(LIMITS),
         },
         attrs={
             "title": "periodic motion of a wheel with joints",
@@ -200,9 +227,44 @@ def _dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr
 
 def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
     """Return the document, table and figure of `periodic`."""
-    rows = []
-    for n in range(data.sizes["speed"]):
-        one = data.isel(speed=n)
+    rows = rows_of(data)
+    document = {
+        "reference_frequency_hz": data.attrs["reference_frequency_hz"],
+        "engine_order": data.attrs["engine_order"],
+        "solutions": rows,
+        "failures": list(failures),
+    }
+    return Study(
+        name="periodic",
+        document=document,
+        tables=[table(rows, COLUMNS, "Periodic motions with joints")],
+        figures=lambda: {"periodic": (plot_joints(data), data)},
+        hints=hints(rows),
+    )
+
+
+def hints(rows: Sequence[dict[str, Any]]) -> str:
+    """Return hints about motions that are not stable or depend on the number of harmonics."""
+    lost = sum(not row["stable"] for row in rows)
+    vague = sum(row["change"] is None or row["change"] > VAGUE for row in rows)
+    found = []
+    if lost:
+        found.append(
+            f"{lost} of {len(rows)} motions are not stable: a march does not settle on them"
+        )
+    if vague:
+        found.append(
+            f"{vague} of {len(rows)} motions change by more than {VAGUE:.0%} with the number of"
+            " harmonics: compare them with a march"
+        )
+    return "; ".join(found)
+
+
+def rows_of(data: xr.Dataset, over: str = "speed") -> list[dict[str, Any]]:
+    """Return the rows of the motions over a dimension."""
+    rows, limits = [], data["limit"].values.tolist()
+    for n in range(data.sizes[over]):
+        one = data.isel({over: n})
         of_joints = {
             name: {key: float(one[key].sel(joint=name)) for key in OF_JOINTS}
             for name in one["joint"].values.tolist()
@@ -217,23 +279,17 @@ def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
                 **{key: float(one[key].max("joint")) for key in list(OF_JOINTS)[:3]},
                 "work": float(one["work"].sum("joint")),
                 "joints": of_joints,
+                "largest_multiplier": float(one["largest_multiplier"]),
+                "stable": bool(one["stable"]),
+                "linear_limits": dict(
+                    zip(limits, one["linear_limit"].values.tolist(), strict=True)
+                ),
                 "harmonics": int(one["harmonics"]),
                 "change": _finite(float(one["change"])),
                 "residual": float(one["residual"]),
             }
         )
-    document = {
-        "reference_frequency_hz": data.attrs["reference_frequency_hz"],
-        "engine_order": data.attrs["engine_order"],
-        "solutions": rows,
-        "failures": list(failures),
-    }
-    return Study(
-        name="periodic",
-        document=document,
-        tables=[table(rows, COLUMNS, "Periodic motions with joints")],
-        figures=lambda: {"periodic": (plot_joints(data), data)},
-    )
+    return rows
 
 
 def _finite(value: float) -> float | None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ import xarray as xr
 from bladewhirl.files import claim
 from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
@@ -31,6 +30,7 @@ from bladewhirl.solvers.periodic.blade import Blade, Grid, alike, between, compa
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.search import prolonged
+from bladewhirl.studies.joints import branches as joints
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic.branch_file import (
     UNITS,
@@ -50,7 +50,8 @@ from bladewhirl.studies.periodic.origins import check_nodes, motion_of
 from bladewhirl.studies.runs.columns import Column, rows_of, table
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.folder import CASE_NAME, case_files
-from bladewhirl.studies.sweeps.axes import NUMBER, OVER, check_key, unit_of
+from bladewhirl.studies.sweeps.axes import OVER, unit_of
+from bladewhirl.studies.sweeps.parameter import Parameter
 
 INSTANTS = 256  #: instants of the points of a branch
 POINTS = 50  #: number of the longest steps from start to stop
@@ -73,48 +74,6 @@ COLUMNS = (
     Column("residual"),
 )
 """Columns of the points of a branch; the bifurcations are printed."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A key of the case and its range."""
-
-    key: str
-    unit: str  #: unit of the values as in the case file; empty for numbers
-    start: float
-    stop: float
-
-    @classmethod
-    def of(cls, case: Case, key: str, start: float | str, stop: float | str) -> "Parameter":
-        """Return a key with its range.
-
-        Raises:
-            UserError: the key holds no number, or the values have no common unit or are equal.
-        """
-        check_key(case, key)
-        matches = [NUMBER.fullmatch(str(value)) for value in (start, stop)]
-        numbers = [(float(match[1]), match[2] or "") for match in matches if match is not None]
-        if len({unit for _, unit in numbers}) != 1 or len(set(numbers)) != 2:
-            raise UserError(
-                f"{OVER} {key}={start}:{stop}: expected START:STOP, two different numbers with the"
-                " same unit or none"
-            )
-        (first, unit), (last, _) = numbers
-        return cls(key, unit, first, last)
-
-    def case(self, case: Case, value: float) -> Case:
-        """Return the case with a value of the key."""
-        number = float(value)
-        return with_values(case, {self.key: f"{number!r} {self.unit}" if self.unit else number})
-
-    def text(self, value: float) -> str:
-        """Return text such as "march.speed = 5000 rpm"."""
-        return f"{self.key} = {value:.6g} {self.unit}".rstrip()
-
-    @property
-    def length(self) -> float:
-        """Length of the range."""
-        return abs(self.stop - self.start)
 
 
 def parse_over(option: str) -> tuple[str, str, str]:
@@ -232,11 +191,13 @@ def branch(
         raise UserError(f"branch: instants {instants}: expected a power of two of at least 64")
     if points < 1:
         raise UserError(f"branch: points {points}: expected at least 1")
-    if case.joint:
-        raise UserError("branch: joints are not followed over a key: expected --speeds")
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     parameter = Parameter.of(case, over, start, stop)
+    if case.joint:
+        if (blade, periods, origin, folder) != (0, 1, None, None):
+            raise UserError("branch: joints: expected no blade, periods, origin and directory")
+        return joints.branch(case, parameter, points, progress)
     family = Family(case, parameter, blade, periods)
     grid = family.grid(parameter.start, instants)
     first = _first(grid, parameter, None if origin is None else Path(origin), blade)
@@ -335,7 +296,7 @@ class _Tracing:
         self._instants = instants
         self._branch = Continuation(
             lambda value, count: (family.grid(value, count), 0.0),
-            parameter.length / (points * LONGEST),
+            abs(parameter.width) / (points * LONGEST),
         )
         self._rows: list[Row] = []
         self._sink: BranchFile | None = None
@@ -426,7 +387,7 @@ class _Tracing:
             if len(self._rows) >= MOST_POINTS:
                 return f"stopped: after {MOST_POINTS} points"
             if progress is not None:
-                progress(abs(point.parameter - one.start) / one.length, len(self._rows))
+                progress((point.parameter - one.start) / one.width, len(self._rows))
             before, values = point, after
         raise AssertionError
 
@@ -523,6 +484,8 @@ def _derived(data: xr.Dataset) -> xr.Dataset:
 
 def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of a branch."""
+    if "joint" in data.dims:
+        return joints.report(data)
     real, imaginary = (data[f"multiplier_{part}"].values for part in ("real", "imaginary"))
     found = rows_of(
         data.assign(

@@ -8,6 +8,7 @@ from bladewhirl.studies.verification.case import Pair, verifies
 
 SOFT = 10.0  #: flexibility of each side of a damper with a fifth of the stiffness
 RATIO = 1e-3  #: damping ratio
+STIFF = 1e-5  #: flexibility of each side of a damper that is hardly elastic
 SLIDING_AT = 1.05  #: frequency at which the damper slides
 STEPS, PERIODS = 2000, 60  #: steps of a period and periods of a time integration
 
@@ -52,6 +53,18 @@ def stuck_damper(speed: str) -> Pair:
     r = float(speed)
     exact = 1.0 / abs(1.0 + 2.0 / SOFT - r**2 + 2j * RATIO * r)
     return exact, amplitude(oscillator(r, 1e3, SOFT, RATIO))
+
+
+@verifies("0.8:0.5", "0.9:0.5", "1.2:0.3", "1.5:0.5")
+def dry_friction(point: str) -> Pair:
+    """Compare the largest displacement with dry friction of a ratio of the force at a frequency
+    with the closed form of motions without rest (Den Hartog 1931)."""
+    r, f = (float(each) for each in point.split(":"))
+    elastic = 1.0 / (1.0 - r**2)
+    rubbed = np.sin(np.pi / r) / (r * (1.0 + np.cos(np.pi / r)))
+    exact = float(np.sqrt(elastic**2 - (f * rubbed) ** 2))
+    found = joint_motion(oscillator(r, f, STIFF)).of_points()
+    return exact, float(np.abs(found[:, 0, 1]).max())
 
 
 @verifies("1.2", "1.5")

@@ -18,6 +18,7 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING, STUCK
 from bladewhirl.solvers.periodic.joint_search import _errors, _matrix, joint_motion, solve
+from bladewhirl.solvers.periodic.joint_stability import multipliers
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion
 
 MODES, ORDER = 8, 2
@@ -217,3 +218,23 @@ def test_a_motion_at_rest_has_the_static_forces(tmp_path: Path) -> None:
     rest = JointMotion.at_rest(JointGrid(wheel(tmp_path, preload="200 N"), 8))
     assert rest.parts[0] == pytest.approx([200.0, 0.0, 0.0])
     assert rest.parts.shape == (17, DIRECTIONS)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_multipliers_of_free_blades_are_those_of_their_modes(tmp_path: Path, sign: float) -> None:
+    given = wheel(tmp_path, sign * 3000.0, gap="20 mm")
+    motion = joint_motion(given)
+    found = np.abs(multipliers(motion))
+    rates = np.diag(given.damping[0]) / 2.0
+    slow = np.exp(-rates * motion.grid.period)[:4]
+    assert found[: 14 * len(slow)] == pytest.approx(np.repeat(slow, 14), rel=1e-9)
+
+
+def test_deviations_decay_as_in_a_march(tmp_path: Path) -> None:
+    overclosure = 8e-4
+    given = three_blades(tmp_path, overclosure)
+    largest = abs(multipliers(joint_motion(given))[0])
+    marched = Wheel(3, MODES, 0.1, given.speed, 1, 20.0, -overclosure, 0.3, np.pi / 6.0, close=1e-9)
+    early, late, end = (marched.march(96, periods)[1] for periods in (8, 16, 32))
+    decay = (np.linalg.norm(late - end) / np.linalg.norm(early - end)) ** (1.0 / 8.0)
+    assert largest == pytest.approx(decay, rel=0.03)

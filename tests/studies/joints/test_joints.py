@@ -131,6 +131,52 @@ def test_tips_that_reach_the_wall_are_reported(tmp_path: Path) -> None:
     assert "reach the wall" in refusal("periodic", file, *near, "--json")
 
 
+@pytest.mark.parametrize(
+    ("key", "start", "stop"),
+    [
+        ("joint.shroud.preload", "10 N", "40 N"),
+        ("joint.shroud.friction", 0.2, 0.4),
+        ("excitation.amplitude", "1 N", "4 N"),
+        ("march.speed", "7000 rpm", "7200 rpm"),
+    ],
+)
+def test_a_branch_ends_with_the_motion_at_its_end(
+    tmp_path: Path, key: str, start: float | str, stop: float | str
+) -> None:
+    own = bw.with_values(case(tmp_path, preload="10 N"), {"march.speed": "7000 rpm"})
+    data = bw.branch(own, key, start, stop, points=5)
+    assert data.attrs["ended"].startswith("reaches")
+    last = data.isel(place=-1)["point_amplitude"].values
+    alone = bw.periodic(bw.with_values(own, {key: stop})).isel(speed=0)["point_amplitude"].values
+    assert last == pytest.approx(alone, rel=1e-3)
+    assert (data["heading"].values == 1.0).all()
+
+
+def test_the_command_follows_a_branch(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(case(tmp_path, preload="10 N")))
+    over = ["--over", "joint.shroud.preload=100 N:50 N", "--points", "2"]
+    shown = answer("periodic", file, *over, "-o", tmp_path / "out", "--json").stdout
+    document = json.loads(shown)
+    amplitudes = [row["amplitude"] for row in document["points"]]
+    assert document["smallest_amplitude"]["amplitude"] == min(amplitudes)
+    assert document["folds"] == []
+    assert document["points"][-1]["parameter"] == pytest.approx(50.0)
+    assert (tmp_path / "out" / "branch.png").exists()
+
+
+def test_branches_of_joints_begin_at_rest(tmp_path: Path) -> None:
+    with pytest.raises(bw.UserError, match="joints: expected no blade"):
+        bw.branch(case(tmp_path), "march.speed", "5000 rpm", "6000 rpm", periods=2)
+
+
+def test_linear_limits_stand_beside_the_amplitudes(tmp_path: Path) -> None:
+    stuck = bw.periodic(case(tmp_path, preload="1 kN", friction=1e4), speeds=["7000 rpm"])
+    amplitude = np.linalg.norm(stuck["point_amplitude"].values, axis=-1)
+    assert amplitude[0] == pytest.approx(stuck["linear_limit"].sel(limit="stuck").values[0])
+    assert bool(stuck["stable"].all())
+
+
 def test_a_wheel_at_rest_has_no_period(tmp_path: Path) -> None:
     with pytest.raises(bw.UserError, match="expected a speed"):
         bw.periodic(case(tmp_path), speeds=["0 rpm"])

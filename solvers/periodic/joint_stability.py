@@ -1,0 +1,116 @@
+"""Stability of periodic motions with joints: multipliers of small deviations of all blades.
+
+Deviations of the blades differ from each other, also where the motion is tuned. They satisfy the
+derivatives of the law of `joint_law` at the ends of equal steps, as those of an implicit march: in
+a step the force at its end acts on the modes, which move exactly, and the slip is the change of the
+displacement. In the time T / K, K = N / gcd(N, p), the pattern of the motion moves on to other
+blades; the multipliers of a period T are the K-th powers of the eigenvalues of such a passage. The
+blades of a wheel without cyclic copies are one body, and its passage is a period.
+
+Modes that turn by more than `FAST` in a step respond statically. Nodes that are stuck all the time
+keep their static force, which is not unique, see `joints`: deviations of it, with a multiplier of
+one, are left out.
+"""
+
+from functools import cached_property
+from math import gcd
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.joints.wheel import DIRECTIONS
+from bladewhirl.solvers.periodic import joint_law
+from bladewhirl.solvers.periodic.joints import JointMotion, series
+from bladewhirl.solvers.periodic.steps import Steps
+
+STEPS = 192  #: least number of steps in a period
+NEUTRAL = 5e-3
+"""Growth up to which a motion is stable: static forces of nodes that hardly slip neither grow nor
+decay."""
+FAST = 0.5 * np.pi  #: largest angle of a mode in a step [rad]
+
+
+class Deviations:
+    """Small deviations of all blades from a motion."""
+
+    def __init__(self, motion: JointMotion) -> None:
+        self.grid, self.wheel = motion.grid, motion.grid.wheel
+        order, blades = self.grid.order, self.wheel.blades
+        shared = gcd(order, blades)
+        passages = blades // shared
+        self.alike = len(self.wheel.stiffness) == blades
+        self.passages = passages if self.alike else 1
+        self.instants = passages * -(-STEPS // passages)
+        wave = series(self.grid.harmonics, self.instants)
+        trial = (wave @ motion.trial()).reshape(self.instants, -1, DIRECTIONS)
+        friction = self.wheel.friction
+        self.slope = joint_law.projected(trial, friction, 0.0).slope
+        self.held = (joint_law.states(trial, friction) == joint_law.STUCK).all(axis=0)
+        self.shift = self.instants // passages * (order // shared)
+        self.shift *= 1 if self.wheel.speed > 0.0 else -1
+        turned = pow(order // shared, -1, passages) if passages > 1 else 0
+        self.moved = turned if self.wheel.speed > 0.0 else -turned
+
+    @cached_property
+    def _kept(self) -> IntArray:
+        """Numbers of the modes of a copy that move in time."""
+        step = self.grid.period / self.instants
+        return np.flatnonzero(np.sqrt(np.abs(self.wheel.stiffness[0])) * step <= FAST)
+
+    def passage(self) -> FloatArray:
+        """Return the matrix of a passage on the state: modes (unit q, q') of each copy in turn, and
+        the displacements from which joints slip, (states, states)."""
+        wheel, step = self.wheel, self.grid.period / self.instants
+        copies, modes, kept = *wheel.stiffness.shape, self._kept
+        rows, flexible = wheel.all_blades
+        of_copies = rows.reshape(len(rows), copies, modes)
+        fast = np.setdiff1d(np.arange(modes), kept)
+        quick = of_copies[:, :, fast].reshape(len(rows), -1)
+        static = flexible + quick / np.tile(wheel.stiffness[0, fast], copies) @ quick.T
+        steps = Steps(wheel.stiffness[0, kept], wheel.damping[0][np.ix_(kept, kept)], step)
+        place = of_copies[:, :, kept]
+        carried, unit = steps.transition(np.eye(len(kept)))
+        push = np.einsum("sm,fcm->csf", unit, place).reshape(-1, len(rows))
+        place = np.pad(place / steps.unit, ((0, 0), (0, 0), (0, len(kept))))
+        place = place.reshape(len(rows), -1)
+        angle = 2.0 * np.pi / self.instants
+        node = np.arange(len(rows)) // DIRECTIONS % len(wheel.joint)
+        tangential = np.arange(len(rows)) % DIRECTIONS > 0
+        scale = np.tile(self.grid.soft, wheel.blades) * np.where(tangential, angle, 1.0)
+        before = (tangential & ~self.held[node])[:, None]  # slips are changes of displacements
+        within = (static + place @ push) / scale[:, None]
+        size = len(push) + len(rows)
+        state, moved = np.eye(len(push), size), np.eye(len(rows), size, len(push))
+        for n in range(1, self.instants // self.passages + 1):
+            state = self._carried(carried, state)
+            free = (place @ state - np.where(before, moved, 0.0)) / scale[:, None]
+            slope = self._slope(n)
+            matrix = np.eye(len(rows)) - slope + slope @ within
+            force = -np.linalg.solve(matrix, slope @ free)
+            state = state + push @ force
+            moved = place @ state + static @ force
+        if self.alike:
+            state, moved = (
+                np.roll(each.reshape(wheel.blades, -1, size), self.moved, axis=0).reshape(-1, size)
+                for each in (state, moved)
+            )
+        return np.concatenate([state, moved])
+
+    def _carried(self, carried: FloatArray, state: FloatArray) -> FloatArray:
+        of_copies = state.reshape(len(self.wheel.stiffness), len(carried), -1)
+        return np.asarray((carried @ of_copies).reshape(state.shape))
+
+    def _slope(self, n: int) -> FloatArray:
+        """Return the derivatives of the law of all joints at an instant."""
+        at = n + self.shift * np.arange(self.wheel.blades)
+        every = self.slope[at % self.instants].reshape(-1, DIRECTIONS, DIRECTIONS)
+        return np.asarray(la.block_diag(*every))
+
+
+def multipliers(motion: JointMotion) -> ComplexArray:
+    """Return the multipliers of all deviations of the blades in a period, the largest first; those
+    of displacements without modes are zero or small."""
+    deviations = Deviations(motion)
+    values = np.linalg.eigvals(deviations.passage()) ** deviations.passages
+    return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=np.complex128)
