@@ -8,10 +8,14 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field
 
 from bladewhirl.models.inputs import fields
-from bladewhirl.models.inputs.table import ReplacedKeys
+from bladewhirl.models.inputs.table import ReplacedKeys, Table
 
 SMALLEST_PART = 1e-3
 """Smallest tangential component of a unit normal."""
+
+FLATTEST, STEEPEST = math.radians(1.0), math.radians(89.0)
+"""Smallest and largest angle of the normal of a face of a damper from the tangential direction
+[rad]."""
 
 _NAME = fields.text(
     re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}"),
@@ -38,6 +42,28 @@ def _vector(value: Any) -> tuple[float, float, float]:
         raise fields.expectation("three numbers [radial, tangential, axial], not all zero")
     r, t, z = (float(x / length) for x in items)
     return r, t, z
+
+
+class Wedge(Table):
+    """A damper between neighbouring blades: a point mass that the centrifugal force presses against
+    both, as a body below two platforms."""
+
+    angle: fields.Angle = math.radians(45.0)
+    """Angle of the normal of both faces from the tangential towards the radial direction [rad]."""
+    mass: Annotated[float, fields.quantity("kg", "positive")] | None = Field(
+        default=None, examples=['"20 g"']
+    )
+    """Mass of the damper [kg]. Give mass or force."""
+    force: Annotated[float, fields.quantity("N", "positive")] | None = Field(
+        default=None, examples=['"500 N"']
+    )
+    """Centrifugal force on the damper [N], in place of mass, which follows from it, the speed and
+    the radius."""
+    radius: fields.Length | None = Field(default=None, examples=['"0.3 m"'])
+    """Radius of its centre of mass [m]; by default that of the contact nodes."""
+    axial: Literal["held", "free"] = "held"
+    """"held": the damper does not move along the axis; "free": friction alone holds it, and it can
+    walk."""
 
 
 class Joint(ReplacedKeys):
@@ -77,8 +103,10 @@ class Joint(ReplacedKeys):
     opening_by_speed: bool = False
     """Whether the centrifugal load of the file opens or closes the joint by its static
     displacements, of blades that all move alike; gap, overclosure and preload are those at rest."""
-    kind: Literal["shroud"] = "shroud"
-    """"shroud": surfaces of the blades touch each other."""
+    kind: Literal["shroud", "wedge"] = "shroud"
+    """"shroud": surfaces of the blades touch each other; "wedge": a damper touches both of them."""
+    wedge: Wedge | None = Field(default=None, examples=['{ angle = "45 deg", mass = "20 g" }'])
+    """The damper of kind "wedge"."""
 
     @property
     def direction(self) -> tuple[float, float, float]:
@@ -89,6 +117,16 @@ class Joint(ReplacedKeys):
     def pressing(self) -> list[str]:
         """Given keys among those of which a joint has one."""
         return [key for key in ("gap", "overclosure", "preload") if getattr(self, key) is not None]
+
+    @property
+    def of_surfaces(self) -> list[str]:
+        """Given keys that a damper does not have."""
+        given = {
+            "normal": self.normal,
+            "angle": self.angle,
+            "opening_by_speed": self.opening_by_speed,
+        }
+        return [*self.pressing, *(key for key, value in given.items() if value)]
 
 
 JointRows = Annotated[

@@ -57,6 +57,8 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
         UserError: blades or forces on them differ, or no load varies with time.
     """
     case, table, rotor = stage.case, stage.table, stage.rotor
+    if any(joint.kind == "wedge" for joint in case.joint):
+        raise UserError("joints: dampers are bodies that only a march has: expected no wedge")
     own = table.copies if table.kind != "blade" else 1
     nodes = stage.part.contacts // own
     pairs = joint_nodes(stage)

@@ -1,15 +1,17 @@
 """The friction joints of all blades of a stage, for time integration."""
 
 from dataclasses import replace
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.excitation import EngineOrder, Excitation
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.joint import Joint
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.joints.build import axes, joint_nodes, overclosures
+from bladewhirl.models.joints.build import JointNodes, axes, joint_nodes, overclosures
 from bladewhirl.models.joints.wheel import DIRECTIONS
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import check_start
@@ -37,7 +39,6 @@ def with_joints(stage: Stage, problem: ContactProblem) -> ContactProblem:
     case = stage.case
     if not case.joint:
         return problem
-    assert isinstance(stage, Matrices)  # only superelements have joints
     for key, given in (
         ("march.speed", case.march.varies),
         ("blade_loss", case.blade_loss is not None),
@@ -46,9 +47,11 @@ def with_joints(stage: Stage, problem: ContactProblem) -> ContactProblem:
         if given:
             expected = "a constant speed" if key == "march.speed" else "not allowed"
             raise CaseError([case_fault(case, key, f"{expected} in a march with [[joint]]")])
-    joints, start = _joint_contacts(stage, problem)
+    joints, start = _joint_contacts(
+        cast(Matrices, stage), problem
+    )  # only superelements have joints
     recess = problem.rotor.tip_recess.copy()
-    recess[np.unique(joints.ends)] += 3.0 * problem.displacement_limit
+    recess[np.unique(joints.ends[joints.ends >= 0])] += 3.0 * problem.displacement_limit
     rotor = replace(problem.rotor, tip_recess=recess)
     problem = replace(problem, rotor=rotor, joints=joints, start=start)
     check_start(stage, problem)
@@ -63,10 +66,11 @@ def with_joint_arrays(stage: Stage, problem: ContactProblem) -> StageArrays:
     return replace(
         arrays,
         joint_name=tuple(given[n].name for n in joints.joint),
-        joint_blade=arrays.blade[joints.ends[:, 1]],
+        joint_blade=joints.blade,
+        damper_blade=joints.blade[np.flatnonzero(joints.damper >= 0)[::2]],
         joint_end=joints.ends,
         joint_gap=joints.gap,
-        joint_axes=np.stack([axes(given[n].direction).T for n in joints.joint]),
+        joint_axes=-joints.axes[:, 1],
     )
 
 
@@ -74,32 +78,91 @@ def _joint_contacts(stage: Matrices, problem: ContactProblem) -> tuple[JointCont
     """Return the joints of a stage, and the start of its contact problem with them."""
     rotor, start = problem.rotor, problem.start
     case, blades, pairs = stage.case, stage.table.copies, joint_nodes(stage)
-    count = len(stage.angle.ravel())  # of all nodes
-    number = np.arange(blades)[:, None]
-    first, second = count // blades * ((number + 1) % blades), count // blades * number
-    ends = np.stack([first + pairs.left, second + pairs.right], axis=2).reshape(-1, 2)
-    turned = np.tile(np.stack([pairs.axes, -pairs.axes], axis=1), (blades, 1, 1, 1))
-    of_wall = turned.swapaxes(2, 3)
-    slope = np.resize(np.asarray(stage.slope, dtype=np.float64), count)[ends]
-    still = rows_of(ends, of_wall, count)
+    count = stage.angle.size  # of all nodes
+    per_blade, gaps = count // blades, overclosures(stage, pairs)
+    rows = [
+        _Pair(blade, n, *each)
+        for blade in range(blades)
+        for n in range(len(pairs.joint))
+        for each in _touching(case.joint[pairs.joint[n]], pairs, n, blade, blades, per_blade)
+    ]
+    ends = np.array([each.ends for each in rows])
+    number = np.array([each.pair for each in rows])
+    still = np.array([[each.axes, -each.axes] for each in rows])
+    joint = pairs.joint[number]
+    turned, slope = still.copy(), np.resize(np.asarray(stage.slope, dtype=np.float64), count)[ends]
     if slope.any():
-        along = in_wall_axes(turned.reshape(-1, 3), slope.ravel())
-        of_wall = along.reshape(turned.shape).swapaxes(2, 3)
-    rows = rows_of(ends, of_wall, count)
+        slope[ends < 0] = 0.0
+        turned = in_wall_axes(still.reshape(-1, 3), slope.ravel()).reshape(still.shape)
+    still, turned = still.swapaxes(2, 3), turned.swapaxes(2, 3)
+    matrix, rigid = rows_of(ends, turned, count), rows_of(ends, still, count)
     assert rotor.compliance is not None  # the case has a massless boundary
-    moved = [still @ each for load in case.excitations.values() for each in _left_out(load, stage)]
+    moved = [rigid @ each for load in case.excitations.values() for each in _left_out(load, stage)]
     found = JointContacts(
-        joint=np.tile(pairs.joint, blades),
+        joint=joint,
+        blade=np.array([each.blade for each in rows]),
         ends=ends,
-        axes=of_wall,
-        friction=np.tile(np.array([each.friction for each in case.joint])[pairs.joint], blades),
-        gap=np.tile(overclosures(stage, pairs), blades),
-        compliance=((rows @ sp.block_diag(rotor.compliance, format="csr")) @ rows.T).toarray(),
-        by_load=np.reshape(moved, (len(problem.loads), rows.shape[0])),
+        axes=turned,
+        friction=np.array([each.friction for each in case.joint])[joint],
+        gap=gaps[number],
+        compliance=((matrix @ sp.block_diag(rotor.compliance, format="csr")) @ matrix.T).toarray(),
+        by_load=np.reshape(moved, (len(problem.loads), matrix.shape[0])),
         start=np.zeros(0),
         start_force=np.zeros(0),
+        **_dampers(stage, joint, ends, pairs),
     )
-    return _pressed(stage, rotor, found, rows, start)
+    return _pressed(stage, rotor, found, matrix, start)
+
+
+class _Pair(NamedTuple):
+    """A pair of surfaces in contact."""
+
+    blade: int  #: blade whose joint it is
+    pair: int  #: number of its pair of nodes
+    ends: tuple[int, int]  #: see `JointContacts.ends`
+    axes: FloatArray  #: normal from the second to the first end, and two tangents, as columns
+
+
+def _touching(
+    joint: Joint, pairs: JointNodes, n: int, blade: int, blades: int, nodes: int
+) -> list[tuple[tuple[int, int], FloatArray]]:
+    """Return ends and axes of the surfaces of a pair of nodes: one pair, or those of a damper."""
+    left, right = nodes * ((blade + 1) % blades) + pairs.left[n], nodes * blade + pairs.right[n]
+    if joint.wedge is None:
+        return [((left, right), pairs.axes[n])]
+    c, s = np.cos(joint.wedge.angle), np.sin(joint.wedge.angle)
+    return [((left, -1), axes([s, c, 0.0])), ((right, -1), axes([s, -c, 0.0]))]
+
+
+def _dampers(stage: Matrices, joint: IntArray, ends: IntArray, pairs: JointNodes) -> dict[str, Any]:
+    """Return the arrays of the dampers of a stage.
+
+    Raises:
+        CaseError: a damper has no centrifugal force, or several nodes.
+    """
+    case, damper = stage.case, np.full(len(joint), -1, dtype=np.int64)
+    held = np.flatnonzero(ends[:, 1] < 0)
+    damper[held] = np.arange(len(held)) // 2
+    mobility, pull = np.zeros((2, len(held) // 2, DIRECTIONS))
+    for number, pair in enumerate(held[::2]):
+        own, wedge = int(joint[pair]), case.joint[joint[pair]].wedge
+        assert wedge is not None
+        if not stage.speed or np.count_nonzero(pairs.joint == own) > 1:
+            key = "march.speed" if not stage.speed else f"joint.{own}.left"
+            expected = "a speed at which the centrifugal force presses the dampers"
+            expected = expected if not stage.speed else "one node on each side of a damper"
+            raise CaseError([case_fault(case, key, expected)])
+        radius = wedge.radius
+        if radius is None:
+            radius = float(np.resize(stage.part.contact_radius, ends.max() + 1)[ends[pair, 0]])
+        field = radius * stage.speed**2
+        mass = wedge.mass if wedge.force is None else wedge.force / field
+        assert mass is not None
+        mobility[number] = 1.0 / mass
+        pull[number, 0] = mass * field
+        if wedge.axial == "held":
+            mobility[number, 2] = 0.0
+    return {"damper": damper, "mobility": mobility, "pull": pull, "damper_start": 0.0 * pull}
 
 
 def _left_out(load: Excitation, stage: Matrices) -> list[FloatArray]:
@@ -122,16 +185,28 @@ def _pressed(
     modes = rows @ rotor.all_contact
     force, normal = np.zeros(rows.shape[0]), slice(None, None, DIRECTIONS)
     squares, moved = rotor.stiffness, np.zeros(rotor.stiffness.size)
-    if (found.gap < 0.0).any():
+    tied = found.damper < 0
+    if (found.gap < 0.0).any() or not tied.all():
         if not squares.min() > 0.0:
-            expected = "no preload or overclosure, as nothing holds the bladed disk against it"
+            expected = "no preload or damper, as nothing holds the bladed disk against it"
             raise CaseError([case_fault(stage.case, "joint", expected)])
         across = modes[normal].toarray()
         flexible = found.compliance[normal, normal] + (across / squares) @ across.T
-        force[normal] = pressed(flexible, found.gap)
+        pushed, outward = np.zeros(len(tied)), found.axes[~tied, 0, 0, 0]
+        pushed[~tied] = found.pull[found.damper[~tied], 0] / (2.0 * outward)
+        opened = (found.gap + flexible @ pushed)[tied]
+        pushed[tied] = pressed(flexible[np.ix_(tied, tied)], opened)
+        force[normal] = pushed
         moved = (modes.T @ force) / squares
     at_rest = (start.rotor.ravel() + moved).reshape(start.rotor.shape)
     place = modes @ at_rest.ravel() + found.compliance @ force
+    dampers = np.zeros(found.pull.shape)
+    for number in range(len(dampers)):
+        own = np.flatnonzero(found.damper == number)
+        faces = -found.axes[own, 1, 0, :2]  # normals
+        dampers[number, :2] = np.linalg.solve(faces, place[DIRECTIONS * own])
+    found = replace(found, damper_start=dampers)
+    place = place + found.damper_rows @ dampers.ravel()
     at_nodes = (rows.T @ force).reshape(-1, DIRECTIONS)
     return (
         replace(found, start=place, start_force=force),

@@ -159,7 +159,9 @@ class StageArrays:
     joint_name: tuple[str, ...] = ()  #: name of the joint of each pair of nodes, (pairs,)
     joint_blade: IntArray = absent()  #: blade of each pair, whose next blade it touches, (pairs,)
     joint_end: IntArray = absent()
-    """Contact nodes of each pair: on the next blade and on the blade, (pairs, 2)."""
+    """Contact nodes of each pair: on the next blade and on the blade, or a node and -1 for a
+    damper, (pairs, 2)."""
+    damper_blade: IntArray = absent()  #: blade before each damper, (dampers,)
     joint_gap: FloatArray = absent()  #: gap of each pair without displacements [m], (pairs,)
     joint_axes: FloatArray = absent()
     """Normal and two tangents of each pair: radial, tangential, axial, (pairs, 3, 3)."""

@@ -14,12 +14,13 @@ class JointContacts:
     along its normal and its two tangents, see `models.joints.wheel`."""
 
     joint: IntArray  #: number of the joint of each pair, (pairs,)
+    blade: IntArray  #: blade of each pair, which it joins to the next one, (pairs,)
     ends: IntArray
-    """Contact nodes of each pair: the left node of the next blade and the right node of a blade,
-    (pairs, 2)."""
+    """Contact nodes of each pair: the left node of the next blade and the right node of a blade; or
+    one of them and -1 for a damper, (pairs, 2)."""
     axes: FloatArray
-    """Values of each pair for unit displacements of both nodes in the axes of the wall, (pairs, 2,
-    3, 3)."""
+    """Values of each pair for unit displacements of both nodes in the axes of the wall, or of a
+    damper in radial, tangential and axial direction, (pairs, 2, 3, 3)."""
     friction: FloatArray  #: friction coefficient of each pair, (pairs,)
     gap: FloatArray  #: gap without displacements, negative if surfaces overlap [m], (pairs,)
     compliance: FloatArray  #: values for unit forces within a step [m/N], (3 pairs, 3 pairs)
@@ -27,6 +28,22 @@ class JointContacts:
     """Values by the load patterns and the modes that are left out [m], (patterns, 3 pairs)."""
     start: FloatArray  #: values at the start without loads [m], (3 pairs,)
     start_force: FloatArray  #: forces at the start [N], (3 pairs,)
+    damper: IntArray  #: damper of each pair, -1 for none, (pairs,)
+    mobility: FloatArray
+    """Inverse of the mass of each damper in radial, tangential and axial direction, 0 if it is held
+    [1/kg], (dampers, 3)."""
+    pull: FloatArray  #: centrifugal force on each damper [N], (dampers, 3)
+    damper_start: FloatArray  #: displacement of each damper at the start [m], (dampers, 3)
+
+    @property
+    def damper_rows(self) -> FloatArray:
+        """Matrix from the displacements of all dampers to the values of all pairs, (3 pairs,
+        3 dampers)."""
+        rows = np.zeros((3 * len(self.damper), 3 * len(self.mobility)))
+        for pair in np.flatnonzero(self.damper >= 0):
+            own = 3 * self.damper[pair]
+            rows[3 * pair : 3 * pair + 3, own : own + 3] = self.axes[pair, 1]
+        return rows
 
     def rows(self, nodes: int) -> sp.csr_array:
         """Return the matrix from the displacements of a number of nodes to the values of all pairs,
@@ -39,5 +56,6 @@ def rows_of(ends: IntArray, axes: FloatArray, nodes: int) -> sp.csr_array:
     pairs, way = len(ends), np.arange(3)
     row = (3 * np.arange(pairs)[:, None] + way)[:, None, :, None]
     column = (3 * ends[..., None] + way)[:, :, None, :]
-    places = np.broadcast_to(row, axes.shape).ravel(), np.broadcast_to(column, axes.shape).ravel()
-    return sp.csr_array((axes.ravel(), places), shape=(3 * pairs, 3 * nodes))
+    known = np.broadcast_to((ends >= 0)[:, :, None, None], axes.shape)
+    places = [np.broadcast_to(each, axes.shape)[known] for each in (row, column)]
+    return sp.csr_array((axes[known], places), shape=(3 * pairs, 3 * nodes))

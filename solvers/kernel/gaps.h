@@ -20,6 +20,8 @@ static const double JOINT_PARTS[] = {0.4, 0.3, 0.2, 0.1};
 static void spread_joints(const Joints *joints, const double *force, double part, double *out)
 {
     for (int64_t end = 0; end < joints->node.size; end++) {
+        if (joints->node.at[end] < 0)
+            continue;
         const double *axes = joints->axes.at + DIRECTIONS * DIRECTIONS * end;
         const double *own = force + DIRECTIONS * (end / 2);
         double *to = out + DIRECTIONS * joints->node.at[end];

@@ -20,6 +20,9 @@
  * for all closed pairs. If the states do not settle, projected relaxation pair by pair finds a better
  * start. Pairs also move with the forces of the wall on the same blade; both are solved in turn.
  *
+ * A pair may touch a body in place of a second blade, a damper: a point mass that moves as the modes do,
+ * with a centrifugal force.
+ *
  * The work of a pair in a step is that of the force that acts on the modes, (d_{n+1} - d_{n-1}) / 2 of the
  * modes times this mean, and half of l_{n+1} + l_n times the change of the rest of d; load patterns that
  * move pairs through the modes left out do the work of their mean factors.
@@ -40,11 +43,59 @@ enum { TURNS = 200 };       /* solutions of joints and wall in turn */
 static void add_pairs(const Joints *joints, int direction, const double *moved, double *out)
 {
     for (int64_t end = 0; end < joints->node.size; end++) {
+        if (joints->node.at[end] < 0)
+            continue;
         const double *axes = joints->axes.at + DIRECTIONS * DIRECTIONS * end + direction;
         double *to = out + DIRECTIONS * (end / 2), by = moved[joints->node.at[end]];
         for (int k = 0; k < DIRECTIONS; k++)
             to[k] += axes[DIRECTIONS * k] * by;
     }
+}
+
+/* Subtract displacements of bodies from those of pairs. */
+static void subtract_bodies(const Joints *joints, const double *moved, double *out)
+{
+    for (int64_t pair = 0; pair < joints->body.size; pair++) {
+        const double *axes = joints->body_axes.at + DIRECTIONS * DIRECTIONS * pair;
+        for (int k = 0; joints->body.at[pair] >= 0 && k < DIRECTIONS; k++)
+            for (int direction = 0; direction < DIRECTIONS; direction++)
+                out[DIRECTIONS * pair + k] -= axes[DIRECTIONS * k + direction]
+                                              * moved[DIRECTIONS * joints->body.at[pair] + direction];
+    }
+}
+
+/* Move bodies by a part of the forces of joints, which act on the blades. */
+static void push_bodies_by(const March *m, const double *force, double part)
+{
+    const Joints *joints = m->stage.joints;
+    JointScratch *s = &m->scratch->joints;
+    double dt = m->stage.numbers->time_step;
+    for (int64_t i = 0; i < s->body.size; i++)
+        s->pushed.at[i] = 0.0;
+    for (int64_t pair = 0; s->body.size > 0 && pair < joints->body.size; pair++) {
+        const double *axes = joints->body_axes.at + DIRECTIONS * DIRECTIONS * pair;
+        for (int k = 0; joints->body.at[pair] >= 0 && k < DIRECTIONS; k++)
+            for (int direction = 0; direction < DIRECTIONS; direction++)
+                s->pushed.at[DIRECTIONS * joints->body.at[pair] + direction] +=
+                    axes[DIRECTIONS * k + direction] * force[DIRECTIONS * pair + k];
+    }
+    for (int64_t i = 0; i < s->body.size; i++)
+        s->body.at[i] -= part * dt * dt * joints->mobility.at[i] * s->pushed.at[i];
+}
+
+/* Compute the displacements of bodies at the end of the step without forces of joints of step n + 1. */
+static void predict_bodies(const March *m)
+{
+    const Joints *joints = m->stage.joints;
+    const State *state = m->state;
+    JointScratch *s = &m->scratch->joints;
+    double dt = m->stage.numbers->time_step;
+    const double *old = state->bodies.at, *now = old + s->body.size;
+    for (int64_t i = 0; i < s->body.size; i++)
+        s->body.at[i] = 2.0 * now[i] - old[i] + dt * dt * joints->mobility.at[i] * joints->pull.at[i];
+    for (int64_t past = 0; past < state->joint_force.rows; past++)
+        push_bodies_by(m, state->joint_force.at + past * state->joint_force.columns,
+                       JOINT_PARTS[past + 1]);
 }
 
 /* Compute the displacements of the pairs at the end of the step without contact forces of step n + 1, and
@@ -71,6 +122,8 @@ static void free_pairs(const March *m, int64_t step)
         node_field(m->stage.rotor, direction, m->x.new, NULL, f, f->moved.at);
         add_pairs(joints, direction, f->moved.at, out);
     }
+    predict_bodies(m);
+    subtract_bodies(joints, s->body.at, out);
     for (int64_t i = 0; i < values; i++)
         s->modal.at[i] = out[i];
     load_amplitudes(&m->stage.numbers->loads, NULL, NULL, later, s->amplitude.at);
@@ -332,6 +385,11 @@ static void account_joints(const March *m)
         if (s->state.at[pair] == JOINT_SLIPPING)
             sums[JOINT_SLIP] += hypot(slip[1], slip[2]);
     }
+    push_bodies_by(m, s->force.at, JOINT_PARTS[0]);
+    for (int64_t i = 0; i < s->body.size; i++) {
+        state->bodies.at[i] = state->bodies.at[s->body.size + i];
+        state->bodies.at[s->body.size + i] = s->body.at[i];
+    }
     for (int64_t i = 0; i < values; i++) {
         last[2][i] = last[1][i];
         last[1][i] = last[0][i];
@@ -342,8 +400,22 @@ static void account_joints(const March *m)
     }
 }
 
-/* Return half of the displacements of the joints without their part in the modes times their forces, and
- * the energy of the load patterns in the joints, at step n. */
+/* Return the energy of bodies half a step before step n: of their motion, and in the centrifugal field. */
+static double body_energy(const March *m)
+{
+    const Joints *joints = m->stage.joints;
+    const double *old = m->state->bodies.at, *now = old + m->state->bodies.columns;
+    double energy = 0.0, dt = m->stage.numbers->time_step;
+    for (int64_t i = 0; i < m->state->bodies.columns; i++) {
+        double rate = (now[i] - old[i]) / dt, mobility = joints->mobility.at[i];
+        energy -= 0.5 * joints->pull.at[i] * (now[i] + old[i]);
+        energy += mobility > 0.0 ? 0.5 * rate * rate / mobility : 0.0;
+    }
+    return energy;
+}
+
+/* Return half of the displacements of the joints without their part in modes and bodies times their
+ * forces, the energy of the load patterns in the joints at step n, and that of bodies. */
 static double joint_energy(const March *m)
 {
     const Joints *joints = m->stage.joints;
@@ -351,6 +423,7 @@ static double joint_energy(const March *m)
     int64_t values = state->joint_force.columns;
     const double *force = state->joint_force.at, *place = state->joint_place.at;
     double energy = 0.5 * (dot(force, place, values) - dot(force, place + values, values));
+    energy += body_energy(m);
     for (int64_t p = 0; p < joints->given.rows; p++)
         energy += 0.5 * m->scratch->amplitude.at[p]
                   * dot(joints->given.at + p * values, force, values);
@@ -366,6 +439,8 @@ static void record_joints(const March *m, Records *records, int64_t row)
         records->joint_force.at[row * values + i] = state->joint_force.at[i];
         records->joint_place.at[row * values + i] = state->joint_place.at[i];
     }
+    for (int64_t i = 0; i < state->bodies.columns; i++)
+        records->bodies.at[row * state->bodies.columns + i] = state->bodies.at[state->bodies.columns + i];
     for (int64_t i = 0; i < pairs * JOINT_SUMS; i++)
         records->joint_sums.at[row * pairs * JOINT_SUMS + i] = state->joint_sums.at[i];
     for (int64_t i = 0; i < pairs * JOINT_SUMS; i++)

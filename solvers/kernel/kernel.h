@@ -114,9 +114,10 @@ typedef struct {
 enum { JOINT_OPEN, JOINT_STUCK, JOINT_SLIPPING, JOINT_SLIP, JOINT_WORK, JOINT_WEAR, JOINT_SUMS };
 
 /* Friction joints between nodes without mass, see `joints.h`. A pair has two ends, its left node on the
- * next blade and its right node, and three values: along the normal and two tangents. */
+ * next blade and its right node, or a node and a body, and three values: along the normal and two
+ * tangents. */
 typedef struct {
-    IntVector node;    /* (ends) contact node at each end */
+    IntVector node;    /* (ends) contact node at each end, -1 at a body */
     Cube axes;         /* (ends, 3, 3) values of the pair for unit displacements of the node */
     IntVector joined;  /* (tips) 1 for nodes in pairs */
     Vector friction;   /* (pairs) friction coefficient */
@@ -126,6 +127,11 @@ typedef struct {
     Matrix modal;      /* (values, wide_values) the part of it due to the modes */
     Matrix given;      /* (patterns, values) values due to the load patterns and the modes that are
                         * left out [m] */
+    IntVector body;    /* (pairs) body of each pair, or -1 */
+    Cube body_axes;    /* (pairs, 3, 3) values of the pair for unit displacements of its body, times
+                        * -1 */
+    Vector mobility;   /* (body_values) inverse of the mass in each direction, 0 if held [1/kg] */
+    Vector pull;       /* (body_values) centrifugal force on the bodies [N] */
 } Joints;
 
 /* A matrix over the modes of the rotor. On a cyclic rotor it consists of blocks R and X: from the
@@ -373,6 +379,7 @@ typedef struct {
     Matrix joint_place; /* (3, joint_values) displacements of joints at step n, and the part of them
                          * due to the modes at steps n and n - 1 [m] */
     Matrix joint_sums;  /* (pairs, joint_sums) JOINT_OPEN ... */
+    Matrix bodies;      /* (2, body_values) displacements of bodies at steps n - 1 and n [m] */
     Matrix checked;  /* (3, bent_wide) opening at the last check, and its first and second
                       * differences between checks [m] */
 } State;
@@ -401,6 +408,7 @@ typedef struct {
     Matrix joint_force;     /* (records, joint_values) forces of joints */
     Matrix joint_place;     /* (records, joint_values) displacements of joints */
     Matrix joint_sums;      /* (records, all_joint_sums) sums of joints */
+    Matrix bodies;          /* (records, body_values) displacements of bodies */
     Vector rotor_energy;    /* (driven_records) energy of the rotation half a step before the record,
                              * which `energy` lacks, of a free speed [J] */
 } Records;

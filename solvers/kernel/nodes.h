@@ -288,6 +288,10 @@ static int touch_all(March *m, int64_t step, const double *recess, int64_t *touc
     if (!solved || turn == TURNS)
         m->state->counts.at[UNSOLVED] += 1.0;
     m->pushed = 1;
+    double limit = m->stage.numbers->displacement_limit;
+    for (int64_t i = 0; i < j->body.size; i++)
+        if (!(fabs(j->body.at[i]) <= limit))
+            return 0;
     return 1;
 }
 
@@ -417,16 +421,16 @@ static double flexible_energy(const March *m)
     const Rotor *rotor = m->stage.rotor;
     FieldScratch *f = &m->scratch->fields;
     const double *force = m->state->force.at;
-    double energy = 0.0;
+    double energy = m->stage.joints ? joint_energy(m) : 0.0;
     if (!(rotor->massless > 0.0) || !want_pushed(m, force))
-        return 0.0;
+        return energy;
     store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
     for (int direction = 0; direction < DIRECTIONS; direction++) {
         node_field(rotor, direction, f->change.at, &m->scratch->nodes.wanted, f, f->moved.at);
         add_flexible(rotor, direction, &m->scratch->nodes.wanted, force, 1.0, f->moved.at);
         energy += 0.5 * work_of(m, direction, force, f->moved.at, 0);
     }
-    return m->stage.joints ? energy + joint_energy(m) : energy;
+    return energy;
 }
 
 #endif

@@ -200,7 +200,9 @@ typedef struct {
     Matrix on_nodes;   /* forces of the joints on the nodes, by copy */
     Vector predicted;  /* displacements x_{n+1} without forces of joints at step n + 1 */
     Vector wall;       /* forces of the wall on the nodes in the last round */
-    Vector modal;      /* displacements due to the modes */
+    Vector modal;      /* displacements due to the modes and the bodies */
+    Vector body;       /* displacements of bodies at step n + 1 */
+    Vector pushed;     /* forces of joints on bodies */
     Vector free;       /* displacements without contact forces */
     Vector base;       /* displacements with the forces of the wall */
     Vector moved;      /* displacements with all forces */
@@ -408,6 +410,8 @@ static void lay_joints(Arena *a, const Stage *g, const State *state, JointScratc
     s->acting = matrix(a, g->joints ? g->rotor->copies : 0, g->rotor->compliance.rows);
     s->predicted = vector(a, g->joints ? state->rotor.columns : 0);
     s->modal = vector(a, wide);
+    s->body = vector(a, state->bodies.columns);
+    s->pushed = vector(a, state->bodies.columns);
     s->on_nodes = matrix(a, g->joints ? g->rotor->copies : 0, g->rotor->compliance.rows);
     s->wall = vector(a, g->joints ? state->force.rows * state->force.columns : 0);
     s->free = vector(a, values);

@@ -147,6 +147,8 @@ class CentralDifference:
             rows = joints.rows(len(problem.rotor.tip_angle)) @ problem.rotor.all_contact
             for row, displacement in ((1, problem.start.rotor), (2, rotor)):
                 arrays["joint_place"][row] = rows @ displacement.ravel()
+                arrays["joint_place"][row] += joints.damper_rows @ joints.damper_start.ravel()
+            arrays["bodies"][:] = joints.damper_start.ravel()
             arrays["joint_place"][0] = joints.start + acting @ joints.by_load
             arrays["joint_force"][:] = joints.start_force
         earlier = replace(problem, start=replace(problem.start, rotor=rotor, casing=casing))
@@ -280,6 +282,7 @@ class CentralDifference:
         return {
             "pairs": pairs,
             "joint_values": DIRECTIONS * pairs,
+            "body_values": 0 if self._problem.joints is None else self._problem.joints.pull.size,
             "joint_sums": lib.JOINT_SUMS,
             "all_joint_sums": lib.JOINT_SUMS * pairs,
             "rotation_numbers": lib.ROTATION_NUMBERS if self._problem.change is not None else 0,
@@ -422,6 +425,7 @@ class CentralDifference:
             "joint_slip": sums[..., lib.JOINT_SLIP].copy(),
             "joint_work": sums[..., lib.JOINT_WORK].copy(),
             "joint_wear": sums[..., lib.JOINT_WEAR].copy(),
+            "damper_displacement": records.bodies[:written].reshape(written, -1, 3).copy(),
         }
 
     def _coating_records(self, written: int, after: KernelState) -> CoatingRecords | None:

@@ -123,6 +123,9 @@ class Chunk:
     """Energy that each pair took from the blades since the start [J], (records, pairs)."""
     joint_wear: FloatArray = absent()
     """Energy that slip of each pair dissipated since the start [J], (records, pairs)."""
+    damper_displacement: FloatArray = absent()
+    """Radial, tangential and axial displacement of each damper between blades [m], (records,
+    dampers, 3)."""
     coating: CoatingRecords | None = None  #: None without a coating
 
     @property

@@ -20,10 +20,12 @@ def pack_joints(problem: ContactProblem, dt: float) -> Struct | None:
     if joints is None:
         return None
     joined = np.zeros(len(rotor.tip_angle), dtype=np.int64)
-    joined[joints.ends.ravel()] = 1
+    joined[joints.ends[joints.ends >= 0]] = 1
     answers = rotor.contact @ rotor_inverses(rotor, dt) @ rotor.contact.T
     rows = joints.rows(len(joined))
-    modal = ACTING * ((rows @ sp.block_diag(answers, format="csr")) @ rows.T).toarray()
+    by_dampers = joints.damper_rows
+    modal = ((rows @ sp.block_diag(answers, format="csr")) @ rows.T).toarray()
+    modal = ACTING * (modal + dt**2 * (by_dampers * joints.mobility.ravel()) @ by_dampers.T)
     compliance = joints.compliance + modal
     own = np.diag(compliance).reshape(-1, DIRECTIONS)
     return Struct(
@@ -37,4 +39,8 @@ def pack_joints(problem: ContactProblem, dt: float) -> Struct | None:
         compliance=lengthened(compliance.T),
         modal=lengthened(modal.T),
         given=aligned_copy(joints.by_load),
+        body=joints.damper,
+        body_axes=aligned_copy(-joints.axes[:, 1]),
+        mobility=aligned_copy(joints.mobility.ravel()),
+        pull=aligned_copy(joints.pull.ravel()),
     )

@@ -24,6 +24,10 @@ class Wheel:
     angle: float  #: of the normal [rad]
     factors: tuple[float, ...] = ()  #: on the stiffness of each blade
     close: float = 1e-6  #: relative change of the forces at which their iteration ends
+    damper: tuple[float, float] | None = None
+    """Mass [kg] of dampers in place of joints, and the force that presses each of them outward [N];
+    `angle` is that of the normals of their faces from the tangential to the radial direction. They
+    do not move along the axis."""
 
     def march(self, steps: int, periods: int) -> tuple[FloatArray, FloatArray]:
         """Return the amplitude of the engine order of the displacement of each tip, (blades, 3),
@@ -33,7 +37,9 @@ class Wheel:
         mass, stiffness = np.asarray(part.mass), np.asarray(part.stiffness)
         squares, shapes = la.eigh(stiffness, mass)
         squares, shapes = squares[: self.modes], shapes[:, : self.modes]
-        rows = np.vstack([self._axes @ self._cylindrical(part, node) for node in (0, 1)])
+        rows = np.vstack(
+            [own @ self._cylindrical(part, node) for node, own in enumerate(self._axes)]
+        )
         p = rows @ shapes
         c = rows @ la.solve(stiffness, rows.T) - p / squares @ p.T
         load = np.zeros(len(mass))
@@ -50,15 +56,25 @@ class Wheel:
         qq, qv = decay * (cos + self.ratio * w / wd * sin), decay * sin / wd
         vq, vv = -squares * qv, decay * (cos - self.ratio * w / wd * sin)
         by_force = (1.0 - qq) / squares
-        tie = np.zeros((3 * n, 6 * n))
+        tie: FloatArray = np.zeros((3 * n, 6 * n))
+        bodies: FloatArray = np.zeros((3 * n, 3 * n))
+        mobility, pull = np.zeros((2, 3 * n))
         for j in range(n):
             tie[3 * j : 3 * j + 3, 6 * ((j + 1) % n) : 6 * ((j + 1) % n) + 3] = np.eye(3)
             tie[3 * j : 3 * j + 3, 6 * j + 3 : 6 * j + 6] = -np.eye(3)
+        if self.damper is not None:
+            left, right = tie.clip(min=0.0), -tie.clip(max=0.0)
+            tie = np.stack([left.reshape(n, 3, -1), right.reshape(n, 3, -1)], 1).reshape(6 * n, -1)
+            bodies = la.block_diag(*[-np.vstack(self._axes)] * n)
+            mobility = np.tile([1.0, 1.0, 0.0], n) / self.damper[0]
+            pull[::3] = self.damper[1]
         own = [c / f + p * answer @ p.T for f, answer in zip(given[:, 0], by_force, strict=True)]
         flexible = tie @ la.block_diag(*own) @ tie.T
+        flexible = flexible + 0.5 * h**2 * (bodies * mobility) @ bodies.T
         ahead = np.exp(2j * np.pi * self.order * np.arange(n) / n)[:, None]
         q, v = np.zeros((2, n, self.modes))
-        force, place = np.zeros((n, 3)), np.zeros((n, 3))
+        x, rate = np.zeros((2, 3 * n))
+        force, place = np.zeros((2, len(tie) // 3, 3))
         normal = np.zeros(steps)
         seen = np.zeros((steps, n, self.modes))
         for step in range(1, steps * periods + 1):
@@ -66,9 +82,12 @@ class Wheel:
             pushed = pushed * np.sinc(turn * h / 2.0 / np.pi)
             shift = (np.exp(1j * turn * h * step) * ahead).real * static / given
             q, v = qq * q + qv * v + by_force * pushed, vq * q + vv * v + qv * pushed
-            free = (tie @ (q @ p.T + shift).ravel()).reshape(n, 3)
+            x, rate = x + h * rate + 0.5 * h**2 * mobility * pull, rate + h * mobility * pull
+            free = (tie @ (q @ p.T + shift).ravel() + bodies @ x).reshape(-1, 3)
             force = self._forces(flexible, free, place, force)
-            place = free + (flexible @ force.ravel()).reshape(n, 3)
+            place = free + (flexible @ force.ravel()).reshape(-1, 3)
+            taken = mobility * (bodies.T @ force.ravel())
+            x, rate = x + 0.5 * h**2 * taken, rate + h * taken
             joint = (tie.T @ force.ravel()).reshape(n, 6) @ p
             q, v = q + by_force * joint, v + qv * joint
             seen[step % steps], normal[step % steps] = q, force[0, 0]
@@ -76,9 +95,16 @@ class Wheel:
         return np.abs(amplitude @ shapes[part.contact_dofs[2]].T), normal
 
     @property
-    def _axes(self) -> FloatArray:
+    def _axes(self) -> tuple[FloatArray, FloatArray]:
+        """Normal and tangents of the left and the right node, by row."""
         cos, sin = np.cos(self.angle), np.sin(self.angle)
-        return np.array([[0.0, cos, sin], [0.0, -sin, cos], [1.0, 0.0, 0.0]])
+        if self.damper is None:
+            own = np.array([[0.0, cos, sin], [0.0, -sin, cos], [1.0, 0.0, 0.0]])
+            return own, own
+        return (
+            np.array([[sin, cos, 0.0], [cos, -sin, 0.0], [0.0, 0.0, 1.0]]),
+            np.array([[sin, -cos, 0.0], [cos, sin, 0.0], [0.0, 0.0, 1.0]]),
+        )
 
     def _cylindrical(self, part: object, node: int) -> FloatArray:
         position, dofs = part.contact_position[node], part.contact_dofs[node]  # type: ignore[attr-defined]

@@ -157,3 +157,56 @@ def test_tips_and_joints_touch_in_the_same_step(tmp_path: Path, casing: str, sli
     outward = data["contact_displacement"].values[:, 2::3, 0]
     if casing == "rigid":
         assert outward.max() == pytest.approx(5e-8, rel=1e-9)
+
+
+def damped(folder: Path, steps: int, turns: int, push: float, **wedge: Any) -> bw.Case:
+    joint = {"name": "damper", "kind": "wedge", "friction": 0.3, "wedge": wedge}
+    changes = {"joint": [joint], "excitation": {"amplitude": push}}
+    return case(folder, steps, turns, changes)
+
+
+def test_a_light_damper_that_sticks_ties_the_blades(tmp_path: Path) -> None:
+    stage = build_stage(case(tmp_path, 512, 1, {"excitation": {"amplitude": 0.002}}))
+    assert isinstance(stage, Matrices)
+    given = jointed_wheel(stage)
+    flexible = given.flexibility(ORDER, ORDER * given.speed)
+    force = np.linalg.solve(flexible, -given.unloaded(ORDER)).astype(np.complex128)
+    exact = np.abs(given.at_points(ORDER, force)[-1])
+    data = marched(damped(tmp_path, 2048, 40, 0.002, force="0.5 N", axial="free"))
+    found = np.abs(amplitude(data["contact_displacement"].values[:, 2], ORDER))
+    assert found == pytest.approx(exact, rel=3e-4)
+    assert energy_residual(data) < 1e-9
+
+
+@pytest.mark.parametrize(("force", "friction"), [(2.0, 0.3), (8.0, 0.15)])
+def test_dampers_with_mass_move_as_in_an_independent_march(
+    tmp_path: Path, force: float, friction: float
+) -> None:
+    file = tmp_path / "three.npz"
+    bw.write_superelement(file, blade(3))
+    speed, mass, angle = 100.0 * np.pi, 0.05, np.radians(40.0)
+    wedge = {"angle": angle, "mass": mass, "radius": force / mass / speed**2}
+    changes = {
+        "bladed_disk": {"superelement": {"file": str(file), "copies": 3}},
+        "excitation": {"order": 1, "amplitude": 20.0},
+        "joint": [{"kind": "wedge", "friction": friction, "wedge": wedge}],
+    }
+    independent = Wheel(
+        3, MODES, 0.1, speed, 1, 20.0, 0.0, friction, angle, damper=(mass, force)
+    ).march(256, 12)[0]
+    data = marched(case(tmp_path, 2048, 12, changes))
+    modes = amplitude(data["rotor_displacement"].values, 1).reshape(3, MODES)
+    moved = np.abs(modes @ data["contact_shape"].values[2].T)
+    assert moved[:, 1:] == pytest.approx(independent[:, 1:], rel=5e-3)
+    assert (data["joint_steps"].values[-RECORDS:].sum(axis=(0, 1))[1:] > 0).all()
+    assert energy_residual(data) < 1e-9
+
+
+def test_a_damper_that_is_free_along_the_axis_walks_alike_each_turn(tmp_path: Path) -> None:
+    data = marched(damped(tmp_path, 1024, 20, 5.0, force="3 N", angle="30 deg", axial="free"))
+    place = data["damper_displacement"].values[:, :, 2]
+    walked = place[-1] - place[-1 - RECORDS]
+    assert np.abs(walked).min() > 1e-9
+    assert place[-1 - RECORDS] - place[-1 - 2 * RECORDS] == pytest.approx(walked, rel=0.05)
+    held = marched(damped(tmp_path, 1024, 2, 5.0, force="3 N", angle="30 deg"))
+    assert not held["damper_displacement"].values[:, :, 2].any()

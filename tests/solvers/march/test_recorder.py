@@ -41,6 +41,7 @@ SUPPORTS = {
 NO_BEAMS = (
     "line",
     "joints",
+    "dampers",
     "nodes",
     "points",
     "gauges",

@@ -17,6 +17,8 @@ from bladewhirl.studies.runs.run import resume
 
 def case(folder: Path, **joint: Any) -> bw.Case:
     own = tables(folder, **joint) | {"reduction": {"free_interface_modes": 8}}
+    if "kind" in joint:
+        del own["joint"][0]["angle"]
     return bw.case_from(own)
 
 
@@ -33,6 +35,11 @@ def case(folder: Path, **joint: Any) -> bw.Case:
         ({"friction": -0.1}, "joint[0].friction"),
         ({"gap": "1 mm", "preload": "1 N"}, "joint[0].preload"),
         ({"name": "0"}, "joint[0].name"),
+        ({"kind": "wedge"}, "joint[0].wedge"),
+        ({"wedge": {"mass": "1 g"}}, "joint[0].wedge"),
+        ({"kind": "wedge", "wedge": {}}, "joint[0].wedge.mass"),
+        ({"kind": "wedge", "wedge": {"mass": "1 g", "angle": "90 deg"}}, "joint[0].wedge.angle"),
+        ({"kind": "wedge", "wedge": {"mass": "1 g"}, "preload": "1 N"}, "joint[0].preload"),
     ],
 )
 def test_a_joint_that_cannot_be_is_refused(tmp_path: Path, joint: Any, key: str) -> None:
@@ -175,6 +182,11 @@ def test_linear_limits_stand_beside_the_amplitudes(tmp_path: Path) -> None:
     amplitude = np.linalg.norm(stuck["point_amplitude"].values, axis=-1)
     assert amplitude[0] == pytest.approx(stuck["linear_limit"].sel(limit="stuck").values[0])
     assert bool(stuck["stable"].all())
+
+
+def test_periodic_has_no_dampers(tmp_path: Path) -> None:
+    with pytest.raises(bw.UserError, match="only a march has"):
+        bw.periodic(case(tmp_path, kind="wedge", wedge={"mass": "1 g"}))
 
 
 def test_a_wheel_at_rest_has_no_period(tmp_path: Path) -> None:
