@@ -11,15 +11,19 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import points_of
+from bladewhirl.postprocess.run.joint_contact import joint_hints
 from bladewhirl.postprocess.run.summary import Summary
 
 ELASTIC = 5e-3  #: strain above which no metal is elastic
 
 
 def run_hints(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:
-    """Return hints about large displacements and about stresses that no metal bears."""
-    return _of_displacements(summary, result) + _of_stress(summary, result)
+    """Return hints about large displacements, about stresses that no metal bears, and about joints
+    that do not touch or do not slip."""
+    hints = _of_displacements(summary, result) + _of_stress(summary, result)
+    return (*hints, *joint_hints(result))
 
 
 def _of_displacements(summary: Summary, result: xr.Dataset) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import late_part
 
@@ -44,3 +45,19 @@ def joint_figures(dataset: xr.Dataset) -> dict[str, JointFigures]:
             wear_energy=float(last["joint_wear"].values[own].sum()),
         )
     return found
+
+
+def joint_hints(dataset: xr.Dataset) -> list[str]:
+    """Return hints about joints that do not touch or do not slip over the last third."""
+    hints = []
+    for name, own in joint_figures(dataset).items():
+        gap = float(dataset["joint_gap"].values[dataset["joint_name"].values == name].max())
+        if own["share_open"] == 1.0:
+            width = f" with a gap of {handy(gap, 'm', 3)}" if gap > 0.0 else ""
+            hints.append(f"joint {name} stays open{width}: a preload or an overclosure closes it")
+        elif own["share_stuck"] == 1.0:
+            hints.append(
+                f"joint {name} sticks all the time and does not damp: its preload or friction is"
+                " beyond that of the smallest amplitude"
+            )
+    return hints

@@ -39,7 +39,7 @@ def test_marches(path: Path) -> None:
     assert moves == (loaded or any(case.initial.centre_velocity))
 
 
-@pytest.mark.parametrize("name", ["twisted_blade", "bladed_disk", "overhung_fan"])
+@pytest.mark.parametrize("name", ["twisted_blade", "bladed_disk", "overhung_fan", "shrouded_blade"])
 def test_the_script_makes_the_file(name: str) -> None:
     made = runpy.run_path(str(ROOT / "examples" / f"{name}.py"))["part"]
     table = read_case(ROOT / "examples" / f"{name}.toml").bladed_disk.superelement
@@ -48,7 +48,7 @@ def test_the_script_makes_the_file(name: str) -> None:
     assert made.name == kept.name
     for name in ("contact_position", "contact_dofs", "points", "triangles"):
         assert getattr(made, name) == pytest.approx(getattr(kept, name), rel=1e-12, abs=1e-15)
-    for name in ("mass", "stiffness", "recovery", "stress_recovery"):
+    for name in made.given(("mass", "stiffness", "recovery", "stress_recovery")):
         largest = abs(getattr(kept, name)).max()
         assert abs(getattr(made, name) - getattr(kept, name)).max() <= 1e-10 * largest
 

@@ -142,7 +142,7 @@ def test_a_proposal_pasted_as_it_is_makes_the_part(
 def test_the_shipped_deck_has_the_frequencies_of_calculix(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """To a unit of its last digit, with the command as it is printed, and a case that has Coriolis forces."""
+    """To a unit of its last digit, by the command as printed; the case has Coriolis forces."""
     monkeypatch.chdir(tmp_path)
     Path("sector.inp").write_text((EXAMPLES / "sector.inp").read_text())
     printed = answer("mesh", "sector.inp").stdout

@@ -36,6 +36,10 @@ RUNS: dict[str, tuple[str, dict[str, Any]]] = {  # name: example, values
     ),
     "18 beams": ("casing_distortion", {"march.duration": 0.03, "bladed_disk.blades": 18}),
     "blade": ("twisted_blade", {"march.duration": 0.05, "sensor": [TIMING]}),
+    "joints": (
+        "shrouded_blade",
+        {"march.duration": 0.05},
+    ),
     "wheel": (
         "bladed_disk",
         {"march.duration": 0.015, "casing.coating": COATING, "sensor": SENSORS},
@@ -44,6 +48,7 @@ RUNS: dict[str, tuple[str, dict[str, Any]]] = {  # name: example, values
 SAMPLE = [
     *(("beams", name) for name in ("gaps", "contact-angle", "stress", "all-blades")),
     *(("blade", name) for name in ("gaps", "forces", "contact-angle", "stress", "wear-lobes")),
+    ("joints", "joints"),
     *(("wheel", name) for name in ("contact-nodes", "tips", "casing", "stress", "all-blades")),
 ]
 

@@ -15,6 +15,7 @@ from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.run.measures import energy_residual
+from bladewhirl.solvers.periodic.joint_paths import joint_motion
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
@@ -113,6 +114,22 @@ def test_a_motion_is_that_of_an_independent_march(
     shares = fine["joint_steps"].values[-RECORDS:].sum(axis=(0, 1))
     assert shares[2] > 0
     assert (shares[0] > 0) == (overclosure < 4e-4)
+
+
+@pytest.mark.parametrize("overclosure", [1.2e-3, 9e-4])
+def test_a_tuned_wheel_moves_as_the_periodic_motion_of_one_blade(
+    tmp_path: Path, overclosure: float
+) -> None:
+    changes = {"excitation": {"amplitude": 20.0}}
+    given = case(tmp_path, 2048, 20, changes, overclosure=overclosure)
+    stage = build_stage(given)
+    assert isinstance(stage, Matrices)
+    wheel = jointed_wheel(stage)
+    one = np.abs(wheel.at_points(ORDER, joint_motion(wheel).of_order(ORDER)))[-1]
+    data = marched(given)
+    tips = np.abs(amplitude(data["contact_displacement"].values[:, 2::3], ORDER))
+    assert tips[:, 1:] == pytest.approx(np.tile(one[1:], (BLADES, 1)), rel=1e-2)
+    assert data["joint_steps"].values[-RECORDS:, :, 2].any()
 
 
 def test_forces_satisfy_the_contact_law_and_works_close_the_balance(tmp_path: Path) -> None:

@@ -20,8 +20,9 @@ def directory(tmp_path: Path) -> Path:
 
 
 OF_OTHERS = {"coating_strain", "contact_force", "rotation_speed", "critical_speed"}
-OF_OTHERS |= {"bearing_force", "shaft_displacement"}
-"""Variables of results with a coating, of superelements, with a speed that varies, of lines."""
+OF_OTHERS |= {"bearing_force", "shaft_displacement", "joint_force"}
+"""Variables of results with a coating, of superelements, with a speed that varies, of lines, with
+joints."""
 
 
 def made(folder: Path, speed: float) -> Path:
