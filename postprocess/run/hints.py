@@ -11,7 +11,6 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.drawback import largest_drawback
 from bladewhirl.postprocess.fields.kinematics import ViewError, table_of_result
-from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.run.joint_contact import joint_hints
 from bladewhirl.postprocess.run.summary import Summary

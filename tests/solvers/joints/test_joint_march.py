@@ -15,7 +15,7 @@ from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.run.measures import energy_residual
-from bladewhirl.solvers.periodic.joint_paths import joint_motion
+from bladewhirl.solvers.periodic.joint_search import joint_motion
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
