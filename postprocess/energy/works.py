@@ -138,7 +138,7 @@ def drive_work(dataset: xr.Dataset) -> Array:
     histories = dataset.variables
     if float(dataset.attrs["speed"]) == 0.0:
         return np.zeros(dataset.sizes["time"])
-    if "coating_impulse" in histories:
+    if has(dataset, "coating"):
         return np.full(dataset.sizes["time"], np.nan)
     passing = histories["normal_work"].values - histories["closing_work"].values
     return np.asarray(passing - _closure_work(dataset) + friction_supply(dataset))

@@ -14,6 +14,7 @@ from bladewhirl.models.case.shaft_line import ShaftLine
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 from bladewhirl.postprocess.plotting.files import checked_target
@@ -27,7 +28,7 @@ MOST = 4  #: largest number of bearings whose orbits have a panel
 
 def is_line(result: xr.Dataset) -> bool:
     """Return whether a result is that of a shaft line without blades."""
-    return "shaft_displacement" in result and not result.sizes["contact_node"]
+    return has(result, "line") and not result.sizes["contact_node"]
 
 
 def largest_deflection(result: xr.Dataset) -> int:
@@ -61,7 +62,7 @@ def render_line(
         ViewError: the result has no shaft line, or the suffix is unknown.
     """
     target = checked_target(path, ".png", ".gif", ".mp4")
-    if "shaft_displacement" not in result:
+    if not has(result, "line"):
         raise ViewError("view: expected another view; the run has no shaft line")
     moved = result["shaft_displacement"].values
     place, slope = moved[..., 0] + 1j * moved[..., 1], moved[..., 4] - 1j * moved[..., 3]

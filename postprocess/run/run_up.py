@@ -50,7 +50,7 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
         is "shaft" or "tips".
     """
     nodes = result.sizes.get("contact_node", 0)
-    of_line = "shaft_displacement" in result
+    of_line = has(result, "line")
     if of_line:
         moved = result["shaft_displacement"].values[..., :2]
         displacement = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)

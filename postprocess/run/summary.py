@@ -224,7 +224,7 @@ def _shaft_figures(run: Motion, tips: float) -> dict[str, Any]:
     figures["ripple_rms"], about = ripple(late, "rotating")
     if not run.radius.max() > ROUNDING * tips:
         return figures
-    if "bearing_force" not in dataset:
+    if not has(dataset, "line"):
         figures |= _largest_bearing_force(bearing_forces(dataset, orbit))
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     return figures | {

@@ -35,7 +35,7 @@ def bearing_forces(result: xr.Dataset, orbit: xr.Dataset | None = None) -> xr.Da
         ViewError: the shaft's centre is clamped, does not move in the model, or is that of a wheel
             on a shaft line.
     """
-    if "bearing_force" in result:
+    if has(result, "line"):
         raise ViewError(
             "bearing forces: expected no shaft line; line-bearing-forces has its forces"
         )
