@@ -175,7 +175,7 @@ def _words(phases: xr.Dataset) -> str:
     if kind == "at rest":
         return "the shaft is at rest"
     contact = f"{kind} contact" if phases["impulse"].any() else "no contact"
-    lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
+    lead = f"{np.degrees(phases.attrs['lead']).round() + 0.0:.0f}°".replace("-", "−")
     return f"{contact}, shaft ahead by {lead} on average"
 
 

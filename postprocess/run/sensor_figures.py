@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.fields.labelled import ABOUT
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
 from bladewhirl.postprocess.plotting.axes import Labels, blade_axis, draw_decades, draw_map
 from bladewhirl.postprocess.plotting.legends import entries_of
@@ -70,7 +70,7 @@ def sensor_spectra(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
         ViewError: there is no signal over time, or a signal is too short.
     """
     turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
-    spectra = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
+    spectra = labelled(signals, "spectra of sensors", {}, {})
     chosen = [*over_time(signals)]
     modes = [_modes(result, signal.attrs["type"]) for _, signal, _ in chosen]
     top = max([ORDERS * turns, *(high for lines in modes for _, _, high in lines)])
@@ -110,7 +110,7 @@ def sensor_orders(signals: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
     turns = abs(float(signals.attrs["speed"])) / (2.0 * np.pi)
     if turns == 0.0:
         raise ViewError("order tracking: expected a rotor that turns")
-    orders = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
+    orders = labelled(signals, "engine orders of sensors", {}, {})
     for name, signal, step in over_time(signals):
         top = max([ORDERS * turns, *(high for _, _, high in _modes(result, "strain"))])
         period = 2.0 * np.pi / float(signals.attrs["reference_frequency"])
@@ -165,7 +165,7 @@ def all_blades(signals: xr.Dataset) -> xr.Dataset:
         raise ViewError("all blades: expected a rotor that turns")
     if not chosen:
         raise ViewError('all blades: expected a gauge with blade = "all", or tip timing')
-    blades = xr.Dataset(attrs={name: signals.attrs[name] for name in (*ABOUT, "case_title")})
+    blades = labelled(signals, "vibration of all blades", {}, {})
     for name in chosen:
         signal = signals[name]
         if not signal.size:

@@ -130,7 +130,8 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     radius_unit, radius_scale = handy_unit(float(late["radius"].max()), "m")
     below = panels["radius"]
     below.plot(late["time"], radius_scale * late["radius"], color=COLOURS["rotor"])
-    below.set(ylabel=f"radius [{radius_unit}]", ylim=(0.0, None))
+    top = 1.1 * radius_scale * float(late["radius"].max()) or 1.0
+    below.set(ylabel=f"radius [{radius_unit}]", ylim=(0.0, top))
     below.locator_params(axis="y", nbins=4)
     time_axis(below)
     if not tiny:
