@@ -51,11 +51,13 @@ def build_stage(given: Buildable, *, blades: bool = False) -> Stage:
         return given
     if given.shaft_line is not None and given.shaft_line.wheel is None:
         return build_line(given)
+    if given.bladed_disk.superelement is not None:
+        on_line = given.shaft_line is not None
+        return build_rotor_on_line(given) if on_line else build_matrices(given, blades=blades)
     if given.shaft_line is not None:
-        return build_rotor_on_line(given)
-    if given.bladed_disk.superelement is None:
-        return build_beams(given)
-    return build_matrices(given, blades=blades)
+        expected = "a wheel of bladed_disk.superelement in a march; one of beams does not march"
+        raise CaseError([case_fault(given, "shaft_line.wheel", expected)])
+    return build_beams(given)
 
 
 def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:

@@ -5,6 +5,7 @@ which the rotation acts in full. Its modes contain the static displacements by f
 bearings. Contact nodes are those of the wheel of [bladed_disk].
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -51,6 +52,10 @@ from bladewhirl.models.superelements.reduction import (
 )
 from bladewhirl.models.superelements.superelement import HUB, Superelement, SuperelementError
 
+LEAST_INERTIA = 0.02
+"""Smallest share of the moment of inertia that turns with the drive, with which a free speed is
+that of the rotor rather than of its torsion."""
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class RotorOnLine(StageOnLine, Matrices):
@@ -60,6 +65,11 @@ class RotorOnLine(StageOnLine, Matrices):
     ring: Ring  #: the casing without supports
     on_line: OnLine  #: the rotor at rest
     wheels: tuple[Superelement, ...]  #: its wheels with their hubs
+
+    def with_case(self, case: Case) -> "RotorOnLine":
+        if case.march.varies:  # the modes are those of all its speeds
+            return build_rotor_on_line(case, self.ring)
+        return replace(self, case=case.in_seconds(self.reference_frequency))
 
     def at(self, omega: float) -> "RotorOnLine":
         at_speed = {"march.speed": omega / self.reference_frequency}
@@ -195,6 +205,20 @@ class RotorOnLine(StageOnLine, Matrices):
     @property
     def own_properties(self) -> dict[str, Any]:
         return {"modes": self.reduced.size, "copies": self.table.copies}
+
+    def own_hints(self) -> Iterator[str]:
+        """Yield a warning if what the drive turns rigidly has almost no inertia."""
+        drive = self.case.march.drive
+        if drive is None:
+            return
+        across = self.turning.patterns["by_acceleration"]
+        stiff = self.inertia - float(across @ across)
+        if stiff < LEAST_INERTIA * self.inertia:
+            yield (
+                f"march.drive.inertia = {drive.inertia:g} kg m2: the rotor twists against a drive"
+                " of almost no inertia, whose speed then follows each vibration; give at least"
+                f" {LEAST_INERTIA * self.inertia:.2g} kg m2"
+            )
 
     @property
     def fewer_modes(self) -> str:

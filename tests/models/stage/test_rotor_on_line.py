@@ -355,6 +355,9 @@ def test_a_free_tilted_rotor_keeps_its_momentum_about_the_axis(folder: Path) -> 
     assert np.ptp(momentum) < 1e-10 * abs(momentum[0])
     total = chunk.energy + chunk.rotor_energy
     assert np.ptp(total) < 1e-5 * abs(total[0])  # Coriolis forces half a step late, see `speed.h`
+    assert not list(stage.own_hints())
+    (hint,) = stage_of(fan_case(folder, march | {"drive": {"inertia": 0.0}}, **wide)).own_hints()
+    assert hint.startswith("march.drive.inertia = 0 kg m2")
 
 
 def test_supports_move_beside_a_flexible_casing(folder: Path) -> None:
