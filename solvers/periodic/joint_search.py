@@ -29,9 +29,8 @@ FIRST, SEARCHED, MOST, MISSED = 8, 48, 128, 2
 engine order relative to their common divisor; numbers of harmonics without a motion after which the
 refinement ends."""
 CONVERGED, WORK_CONVERGED = 1e-3, 5e-3
-"""Largest change of the first harmonics of the forces and of the work with the last refinement,
-relative to themselves."""
-COMPARED = 2  #: number of harmonics, for each engine order, of which two grids are compared
+"""Largest change of forces and displacements of the engine orders, and of the work, with the last
+refinement, relative to themselves."""
 STEPS, CLOSE = 15, 1e-11
 """Largest number of Newton steps, and largest error at their end, relative to typical forces."""
 HALVINGS, DESCENT = 6, 0.1
@@ -199,12 +198,21 @@ def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> Joint
             if missed > MISSED:
                 break
             continue
-        one, other = (each.harmonics[: COMPARED * unit] for each in (motion, finer))
-        change, worked = _relative(one, other), _relative(motion.work, finer.work)
+        change = max(_relative(*pair) for pair in zip(*map(_loaded, (motion, finer)), strict=True))
+        worked = _relative(motion.work, finer.work)
         motion, highest = replace(finer, change=max(change, worked)), 2 * highest
         if change <= CONVERGED and worked <= WORK_CONVERGED:
             break
     return motion
+
+
+def _loaded(motion: JointMotion) -> tuple[ComplexArray, ComplexArray]:
+    """Return the amplitudes of the engine orders of forces (orders, values) and of displacements of
+    points (orders, points, 3)."""
+    orders = motion.grid.wheel.orders
+    forces = np.stack([motion.of_order(order) for order in orders])
+    pairs = zip(orders, forces, strict=True)
+    return forces, np.stack([motion.grid.wheel.at_points(*pair) for pair in pairs])
 
 
 def _relative(one: FloatArray | ComplexArray, other: FloatArray | ComplexArray) -> float:

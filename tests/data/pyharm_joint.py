@@ -54,7 +54,7 @@ maestro = pyHarm.Maestro(
         "system": {
             "type": "Base",
             "nh": 15,
-            "nti": 1024,
+            "nti": 2048,
             "adim": {"status": False, "lc": 1.0, "wc": 1.0},
         },
         "analysis": {

@@ -238,3 +238,29 @@ def test_deviations_decay_as_in_a_march(tmp_path: Path) -> None:
     early, late, end = (marched.march(96, periods)[1] for periods in (8, 16, 32))
     decay = (np.linalg.norm(late - end) / np.linalg.norm(early - end)) ** (1.0 / 8.0)
     assert largest == pytest.approx(decay, rel=0.03)
+
+
+def test_a_wheel_in_one_piece_has_the_motion_of_its_blades(tmp_path: Path) -> None:
+    blades = three_blades(tmp_path, 8e-4)
+    count, modes = blades.blades, blades.stiffness.shape[1]
+    every = np.eye(count)
+    values = blades.contact.shape[1]
+    shapes = blades.contact[0]
+    wheel = replace(
+        blades,
+        stiffness=blades.stiffness.reshape(1, -1),
+        damping=np.kron(every, blades.damping[0])[None],
+        contact=np.einsum("ab,im->aibm", every, shapes).reshape(count, values, -1),
+        compliance=np.einsum("ab,ij->aibj", every, blades.compliance[0, :, 0]),
+        loads={
+            order: np.kron(np.exp(2j * np.pi * order * np.arange(count) / count), load)
+            for order, load in blades.loads.items()
+        },
+        points=np.pad(blades.points, ((0, 0), (0, (count - 1) * modes))),
+        points_by_force=np.einsum("b,pi->pbi", every[0], blades.points_by_force[:, 0]),
+    )
+    one, other = joint_motion(blades), joint_motion(wheel)
+    assert other.parts == pytest.approx(one.parts, rel=1e-6, abs=1e-6 * np.abs(one.parts).max())
+    assert other.of_points() == pytest.approx(one.of_points(), rel=1e-6, abs=1e-9)
+    largest = [np.abs(multipliers(each)[:6]) for each in (one, other)]
+    assert largest[1] == pytest.approx(largest[0], rel=1e-6)
