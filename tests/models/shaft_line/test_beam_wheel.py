@@ -128,5 +128,5 @@ def test_a_line_needs_the_table_of_its_wheel() -> None:
 
 
 def test_a_wheel_of_beams_is_not_marched() -> None:
-    with pytest.raises(CaseError, match=r"shaft_line.wheel.*one of beams does not march"):
+    with pytest.raises(CaseError, match=r"shaft_line.wheel.*a wheel of solids in a march"):
         build_stage(on_line(DISK, SHAFT | {"wheel": {"position": 0.6}}))
