@@ -49,7 +49,6 @@ part = bw.mesh3d(
     joint_right="counter-clockwise",
     joint_nodes=1,
     stress=False,
-    stiffening=None,
     name="shrouded blade",
 )
 

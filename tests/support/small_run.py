@@ -35,7 +35,15 @@ duration = 0.01
 COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
 """Program of a process that takes the arguments of `bladewhirl`."""
 
-NOT_HERE = ("nodes", "speed", "drive", "changes", "line", "joints", "dampers")  # parts of other stages
+NOT_HERE = (
+    "nodes",
+    "speed",
+    "drive",
+    "changes",
+    "line",
+    "joints",
+    "dampers",
+)  # parts of other stages
 RECORDED = [name for name, variable in HISTORY.items() if variable.part not in NOT_HERE]
 """Histories of a stage of beams at a constant speed."""
 
