@@ -55,7 +55,7 @@ def build_stage(given: Buildable, *, blades: bool = False) -> Stage:
         on_line = given.shaft_line is not None
         return build_rotor_on_line(given) if on_line else build_matrices(given, blades=blades)
     if given.shaft_line is not None:
-        expected = "a wheel of bladed_disk.superelement in a march; one of beams does not march"
+        expected = "a wheel of solids in a march: beams have no displacements along the axis"
         raise CaseError([case_fault(given, "shaft_line.wheel", expected)])
     return build_beams(given)
 

@@ -247,15 +247,12 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
         ring: its casing without supports, if it is known.
 
     Raises:
-        CaseError: the bearings do not hold the line, the wheel consists of beams, or the rotor
-            cannot be reduced as the case demands.
+        CaseError: the bearings do not hold the line, or the rotor cannot be reduced as the case
+            demands.
     """
-    line = line_model(case)
-    if line.wheels[0].source.of_beams:
-        expected = "a wheel of solids in a march: beams have no displacements along the axis"
-        raise CaseError([case_fault(case, "shaft_line.wheel", expected)])
     table = case.bladed_disk.matrices
     try:
+        line = line_model(case)
         tables = (table, *(one.superelement for one in line.table.wheels))
         wheels = tuple(wheel_with_hub(one.with_hub, one.copies) for one in tables)
         on_line = _prepared(case, line, line_rotor(line, wheels))
