@@ -8,7 +8,8 @@ are doubled until amplitude and work have converged.
 
 Motions in which joints lift off under light damping can depend on the number of harmonics, or be
 unstable; with more harmonics, there may be none nearby. The motion with the most harmonics is then
-the result, and `change` tells how much the last refinement changed it.
+the result, and `change` tells how much the last refinement changed it; without any refinement, how
+much it differs from the motion with half as many harmonics.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -198,12 +199,26 @@ def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> Joint
             if missed > MISSED:
                 break
             continue
-        change = max(_relative(*pair) for pair in zip(*map(_loaded, (motion, finer)), strict=True))
-        worked = _relative(motion.work, finer.work)
-        motion, highest = replace(finer, change=max(change, worked)), 2 * highest
-        if change <= CONVERGED and worked <= WORK_CONVERGED:
+        moved, worked = _changes(motion, finer)
+        motion, highest = replace(finer, change=max(moved, worked)), 2 * highest
+        if moved <= CONVERGED and worked <= WORK_CONVERGED:
             break
-    return motion
+    return motion if np.isfinite(motion.change) else _compared(motion)
+
+
+def _compared(motion: JointMotion) -> JointMotion:
+    """Return a motion with the change from half as many harmonics, if there is such a motion."""
+    grid = JointGrid(motion.grid.wheel, motion.grid.harmonics // 2)
+    try:
+        return replace(motion, change=max(_changes(_refined(motion, grid, anew=True), motion)))
+    except NotConverged:
+        return motion
+
+
+def _changes(coarse: JointMotion, fine: JointMotion) -> tuple[float, float]:
+    """Return the relative changes of forces and displacements, and of the work."""
+    pairs = zip(*map(_loaded, (coarse, fine)), strict=True)
+    return max(_relative(*pair) for pair in pairs), _relative(coarse.work, fine.work)
 
 
 def _loaded(motion: JointMotion) -> tuple[ComplexArray, ComplexArray]:
@@ -253,7 +268,7 @@ def _first_of(ways: Iterable[Callable[[], JointMotion]]) -> JointMotion:
 
 
 def _refined(motion: JointMotion, grid: JointGrid, *, anew: bool) -> JointMotion:
-    """Return the motion with more harmonics; `anew`: it may be reached through smooth laws.
+    """Return the motion with other harmonics; `anew`: it may be reached through smooth laws.
 
     Raises:
         NotConverged: no motion was found.

@@ -185,7 +185,8 @@ class JointMotion:
     parts: FloatArray
     """Mean of the forces, and real and imaginary parts of their harmonics [N], (2 H + 1,
     values)."""
-    change: float = np.inf  #: relative change with the last refinement, see `joint_search`
+    change: float = np.inf
+    """Relative change with the harmonics, see `joint_search`; infinite if unknown."""
 
     @classmethod
     def at_rest(cls, grid: JointGrid) -> "JointMotion":

@@ -246,7 +246,8 @@ def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
 def hints(rows: Sequence[dict[str, Any]]) -> str:
     """Return hints about motions that are not stable or depend on the number of harmonics."""
     lost = sum(not row["stable"] for row in rows)
-    vague = sum(row["change"] is None or row["change"] > VAGUE for row in rows)
+    alone = sum(row["change"] is None for row in rows)
+    vague = sum((row["change"] or 0.0) > VAGUE for row in rows)
     found = []
     if lost:
         found.append(
@@ -256,6 +257,11 @@ def hints(rows: Sequence[dict[str, Any]]) -> str:
         found.append(
             f"{vague} of {len(rows)} motions change by more than {VAGUE:.0%} with the number of"
             " harmonics: compare them with a march"
+        )
+    if alone:
+        found.append(
+            f"{alone} of {len(rows)} motions were found with one number of harmonics alone, and"
+            " their error is unknown (no change in the table): compare them with a march"
         )
     return "; ".join(found)
 

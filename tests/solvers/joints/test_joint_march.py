@@ -15,6 +15,7 @@ from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.run.measures import energy_residual
+from bladewhirl.solvers.periodic import joint_search
 from bladewhirl.solvers.periodic.joint_search import joint_motion
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
@@ -130,6 +131,15 @@ def test_a_tuned_wheel_moves_as_the_periodic_motion_of_one_blade(
     tips = np.abs(amplitude(data["contact_displacement"].values[:, 2::3], ORDER))
     assert tips[:, 1:] == pytest.approx(np.tile(one[1:], (BLADES, 1)), rel=1e-2)
     assert data["joint_steps"].values[-RECORDS:, :, 2].any()
+
+
+def test_a_motion_that_has_no_finer_one_is_compared_with_a_coarser_one(tmp_path: Path) -> None:
+    given = case(tmp_path, 2048, 1, {"excitation": {"amplitude": 20.0}}, overclosure=3e-4)
+    stage = build_stage(given)
+    assert isinstance(stage, Matrices)
+    motion = joint_motion(jointed_wheel(stage))
+    assert motion.grid.harmonics == joint_search.FIRST * ORDER // motion.grid.order
+    assert 0.01 < motion.change < 1.0
 
 
 def test_forces_satisfy_the_contact_law_and_works_close_the_balance(tmp_path: Path) -> None:

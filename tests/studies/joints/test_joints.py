@@ -12,6 +12,9 @@ from joint_cases import tables
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
+from bladewhirl.solvers.periodic import joint_search
+from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.joints import JointMotion
 from bladewhirl.studies.runs.run import resume
 
 
@@ -182,6 +185,22 @@ def test_linear_limits_stand_beside_the_amplitudes(tmp_path: Path) -> None:
     amplitude = np.linalg.norm(stuck["point_amplitude"].values, axis=-1)
     assert amplitude[0] == pytest.approx(stuck["linear_limit"].sel(limit="stuck").values[0])
     assert bool(stuck["stable"].all())
+
+
+def test_a_motion_without_comparison_has_no_change_and_a_hint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missed(*_: Any, anew: bool) -> JointMotion:
+        raise NotConverged("none")
+
+    monkeypatch.setattr(joint_search, "_refined", missed)
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(case(tmp_path, preload="10 N")))
+    shown = answer("periodic", file, "--json")
+    assert "Infinity" not in shown.stdout
+    assert json.loads(shown.stdout)["solutions"][0]["change"] is None
+    assert "1 of 1 motions were found with one number of harmonics alone" in shown.stderr
+    assert "change by more than" not in shown.stderr
 
 
 def test_periodic_has_no_dampers(tmp_path: Path) -> None:
