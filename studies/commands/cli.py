@@ -51,7 +51,8 @@ class DocumentedCommand(TyperCommand):
     def __init__(self, *args: Any, **options: Any) -> None:
         """Take the help of the command and of its parameters from the docstring."""
         super().__init__(*args, **options)
-        text, _, arguments = (self.help or "").partition("\n\nArgs:\n")
+        documented = re.sub(r"\[(?=[a-z])", r"\\[", self.help or "")  # typer reads [name] as markup
+        text, _, arguments = documented.partition("\n\nArgs:\n")
         # The terminal wraps each paragraph.
         self.help = "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
         parameters = {parameter.name: parameter for parameter in self.params}

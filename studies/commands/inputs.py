@@ -81,10 +81,10 @@ def mesh(
     overrides: options.Changes = None,
     force: options.Force = False,
 ) -> None:
-    r"""List the groups of a mesh, and write a mesh of lines in another format.
+    """List the groups of a mesh, and write a mesh of lines in another format.
 
     The mesh of a case is the undeformed bladed disk, in metres, with its sets as groups and its
-    sections, materials, masses, springs and links as data: the key \[bladed_disk.mesh] of a case
+    sections, materials, masses, springs and links as data: the key [bladed_disk.mesh] of a case
     can read the written file. A mesh file is converted without changes, in its own units.
 
     Of a mesh of solids the elements, groups and materials are listed, and the command mesh3d that

@@ -111,6 +111,14 @@ def test_every_parameter_is_described() -> None:
         assert all(parameter.help for parameter in command.params)
 
 
+@pytest.mark.parametrize(
+    ("command", "text"), [("periodic", "With [[joint]] the"), ("mesh3d", "for [blade_loss]; or")]
+)
+def test_help_keeps_names_of_tables(command: str, text: str) -> None:
+    shown = RUNNER.invoke(app, [command, "--help"], env={"COLUMNS": "2000"}, terminal_width=2000)
+    assert text in " ".join(shown.stdout.split())
+
+
 def test_help_loads_nothing_heavy() -> None:
     modules = loaded(
         "import typer.testing, bladewhirl.studies.commands.cli as cli\n"
