@@ -307,11 +307,6 @@ class Matrices(Stage):
         """Yield warnings about contact nodes and matrices of the file that are not used, about a
         damping matrix that adds to the modal damping, and about a contact node that the given
         friction locks against the wall."""
-        if self.case.joint:
-            yield (
-                "joints act in marches and in bladewhirl periodic: modes and responses are those of"
-                " blades without joints"
-            )
         if left_out := self.table.left_out:
             yield (
                 f"{left_out} contact nodes of the file are left out: they are at the place of"

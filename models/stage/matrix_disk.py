@@ -13,7 +13,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_at
-from bladewhirl.models.case.plausibility import stiffness_hints
+from bladewhirl.models.case.plausibility import linear_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.modal.labels import (
@@ -251,7 +251,7 @@ class MatrixDisk(ModalDisk):
 
     @property
     def hints(self) -> tuple[str, ...]:
-        hints = tuple(stiffness_hints(self.case))
+        hints = tuple(linear_hints(self.case))
         if self._table.part.stiffness_speed is None:
             hints += (
                 "the stiffness of the superelement is the same at every speed: its file has no"

@@ -11,6 +11,7 @@ import xarray as xr
 from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.plausibility import linear_hints
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.stage.build import Buildable, build_stage
@@ -179,6 +180,7 @@ def response(
             "case": stage.case.title,
             "reference_frequency_hz": reference / (2.0 * np.pi),
             "rotation_effects": stage.case.rotation.effects,
+            "hints": "; ".join(linear_hints(stage.case)),
         },
     )
     return data if len(orders) > 1 else data.isel(order=0)
@@ -262,4 +264,5 @@ def report(data: xr.Dataset) -> Study:
         document=document,
         tables=[table(document["peaks"], PEAKS, "Peaks of the amplitudes of the tips")],
         figures=lambda: {"response": (plot_response(data), drawn_amplitudes(data))},
+        hints=data.attrs["hints"],
     )

@@ -11,7 +11,7 @@ from command_line import answer
 from solid_meshes import CALCULIX, STEEL, TIE, bladed_sector, cantilever, deck
 
 import bladewhirl as bw
-from bladewhirl.models.case.plausibility import stiffness_hints
+from bladewhirl.models.case.plausibility import linear_hints
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage import superelement_structure as stage_of_superelement
 from bladewhirl.models.stage.build_matrices import build_matrices
@@ -93,16 +93,16 @@ def test_a_stiffness_of_another_speed_is_mentioned(tmp_path: Path) -> None:
     mesh = cantilever("tetra", (2, 1, 1))
     fixed = mesh3d(mesh, **STEEL, speed="3000 rpm")
     given = case(tmp_path, fixed, "blade", march={"speed": "6000 rpm"})
-    (hint,) = stiffness_hints(given)
+    (hint,) = linear_hints(given)
     assert "that at 3000 rpm, 0.5 times this speed" in hint
-    assert not [*stiffness_hints(bw.with_values(given, {"march.speed": "3000 rpm"}))]
+    assert not [*linear_hints(bw.with_values(given, {"march.speed": "3000 rpm"}))]
     at_rest = case(tmp_path, mesh3d(mesh, **STEEL, stiffening=None), "blade")
-    (hint,) = stiffness_hints(at_rest)
+    (hint,) = linear_hints(at_rest)
     assert "is that at rest" in hint
     with_change = case(tmp_path, mesh3d(mesh, **STEEL), "blade")
-    (hint,) = stiffness_hints(with_change)
+    (hint,) = linear_hints(with_change)
     assert "not used" in hint
-    assert not [*stiffness_hints(bw.with_values(with_change, {"rotation.effects": "centrifugal"}))]
+    assert not [*linear_hints(bw.with_values(with_change, {"rotation.effects": "centrifugal"}))]
 
 
 @pytest.mark.slow

@@ -203,6 +203,15 @@ def test_a_motion_without_comparison_has_no_change_and_a_hint(
     assert "change by more than" not in shown.stderr
 
 
+@pytest.mark.parametrize("command", ["modes", "campbell", "response"])
+def test_linear_commands_say_that_joints_do_not_act(tmp_path: Path, command: str) -> None:
+    file = tmp_path / "case.toml"
+    for given in (case(tmp_path), bw.with_values(case(tmp_path), {"joint": []})):
+        file.write_text(dumps_case(given))
+        shown = answer(command, file, "--json").stderr
+        assert ("are those of blades without joints" in shown) == bool(given.joint)
+
+
 def test_periodic_has_no_dampers(tmp_path: Path) -> None:
     with pytest.raises(bw.UserError, match="only a march has"):
         bw.periodic(case(tmp_path, kind="wedge", wedge={"mass": "1 g"}))
