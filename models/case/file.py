@@ -33,7 +33,7 @@ FILES = (
     *("bladed_disk.mesh", "bladed_disk.superelement", "casing.profile", "casing.coating.profile"),
     "blade_loss.damaged",
 )
-"""Tables with the path of a file."""
+"""Tables with the path of a file; those of further wheels are rows of shaft_line.wheels."""
 
 EXCLUSIVE = (
     ("shaft.stiffness", "shaft.suspension_frequency"),
@@ -68,7 +68,7 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
 TableT = TypeVar("TableT", bound=Table)
 
 
-def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
+def table_of(text: str, name: str, kind: type[TableT], unread: str = "") -> TableT:
     """Return one table from the text of a case, such as [casing]; the default table if the
     text lacks it.
 
@@ -79,6 +79,7 @@ def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
         text: TOML text of the case.
         name: name of the table.
         kind: class of the table.
+        unread: a key that is left out, as that of a file which need not exist on this computer.
 
     Raises:
         CaseError: the text is not TOML, or the table is invalid.
@@ -87,15 +88,16 @@ def table_of(text: str, name: str, kind: type[TableT]) -> TableT:
     if not isinstance(given, dict):
         raise CaseError([Fault(key=name, expected="a table")])
     known = {field.alias or attribute for attribute, field in kind.model_fields.items()}
+    known.discard(unread)
     try:
         return kind(**{key: value for key, value in given.items() if key in known})
     except ValidationError as error:
         raise CaseError(faults_of(error, given, name)) from None
 
 
-def optional_table_of(text: str, name: str, kind: type[TableT]) -> TableT | None:
+def optional_table_of(text: str, name: str, kind: type[TableT], unread: str = "") -> TableT | None:
     """Return one table from the text of a case, see `table_of`; None if the text lacks it."""
-    return table_of(text, name, kind) if name in _parsed(text, "case") else None
+    return table_of(text, name, kind, unread) if name in _parsed(text, "case") else None
 
 
 def _parsed(text: str, file: str) -> dict[str, Any]:
@@ -214,7 +216,9 @@ def faults_at(case: Case, key: str, error: UserError) -> list[Fault]:
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
     """Convert the paths of files in a case, given relative to the case file, to paths relative to
     the working directory."""
-    for key in FILES:
+    wheels = value_at(tables, path_of("shaft_line.wheels"))
+    rows = range(len(wheels) if isinstance(wheels, list) else 0)
+    for key in (*FILES, *(f"shaft_line.wheels.{row}.superelement" for row in rows)):
         table = value_at(tables, path_of(key))
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             table["file"] = os.path.join(folder, table["file"])

@@ -38,7 +38,7 @@ class LostBeams(NamedTuple):
 def lost_blades(dataset: xr.Dataset) -> Lost | None:
     """Return the blades that are lost in a run; None if there are none."""
     text = str(dataset.attrs.get("case", "")) if "time_step" in dataset.attrs else ""
-    loss = optional_table_of(text, "blade_loss", BladeLoss)
+    loss = optional_table_of(text, "blade_loss", BladeLoss, unread="damaged")
     if loss is None:
         return None
     blades, step = np.array(loss.blade), float(dataset.attrs["time_step"])

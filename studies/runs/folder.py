@@ -17,6 +17,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.sensors import Sensor
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.table import path_of, value_at
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
 from bladewhirl.solvers.march.schema import RESULT_NAME
 
@@ -71,11 +72,10 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def case_files(case: Case) -> dict[str, bytes]:
-    """Return the contents of the files needed to run a case again, case.toml and the mesh file, by
-    name of the file."""
-    source = _source(case)
-    files = {CASE_NAME: portable_case(case).encode()}
-    return files if source is None else files | {source.copy: Path(source.file).read_bytes()}
+    """Return the contents of the files needed to run a case again, case.toml and the files of its
+    bladed disk and wheels, by name of the file."""
+    files = {each.copy: Path(each.file).read_bytes() for each in _sources(case)}
+    return {CASE_NAME: portable_case(case).encode()} | files
 
 
 def march_digest(case: Case) -> str:
@@ -88,35 +88,48 @@ def march_digest(case: Case) -> str:
 
 
 def portable_case(case: Case, folder: str = "") -> str:
-    """Return the text of a case that refers to a copy of the mesh file instead of the original;
-    `folder` is the path from the folder of the text to the folder of the copy."""
-    source = _source(case)
-    if source is None:
-        return dumps_case(case)
-    table = getattr(case.bladed_disk, source.key)
-    copy = table.model_copy(update={"file": str(PurePosixPath(folder) / source.copy)})
-    disk = case.bladed_disk.model_copy(update={source.key: copy})
-    return dumps_case(case.model_copy(update={"bladed_disk": disk}))
+    """Return the text of a case that refers to copies of its files instead of the originals;
+    `folder` is the path from the folder of the text to the folder of the copies."""
+    for source in _sources(case):
+        copy = str(PurePosixPath(folder) / source.copy)
+        case = _replaced(case, (*path_of(source.key), "file"), copy)
+    return dumps_case(case)
 
 
 class Source(NamedTuple):
-    """A file from which a case takes its bladed disk."""
+    """A file from which a case takes its bladed disk or another wheel."""
 
-    key: str  #: key of its table in [bladed_disk]: "mesh" or "superelement"
+    key: str  #: dotted key of its table
+    name: str  #: name of the copy in the folder of a run, without suffix
     file: str  #: path
 
     @property
     def copy(self) -> str:
         """Name of the copy in the folder of a run."""
-        return self.key + Path(self.file).suffix.lower()
+        return self.name + Path(self.file).suffix.lower()
 
 
-def _source(case: Case) -> Source | None:
-    for key in ("mesh", "superelement"):
-        table = getattr(case.bladed_disk, key)
-        if table is not None:
-            return Source(key, table.file)
-    return None
+def _sources(case: Case) -> list[Source]:
+    names = {f"bladed_disk.{name}": name for name in ("mesh", "superelement")}
+    names["blade_loss.damaged"] = "damaged"
+    further = () if case.shaft_line is None else case.shaft_line.wheels
+    for row in range(len(further)):  # the first wheel is that of [bladed_disk]
+        names[f"shaft_line.wheels.{row}.superelement"] = f"wheel-{row + 2}"
+    tables = ((key, name, value_at(case, path_of(key))) for key, name in names.items())
+    return [Source(key, name, table.file) for key, name, table in tables if table is not None]
+
+
+def _replaced(table: Any, path: Sequence[str | int], value: str) -> Any:
+    """Return a copy of a table or of its rows with another value at a path, which is not checked:
+    the file may not be there yet."""
+    if not path:
+        return value
+    part, *rest = path
+    if isinstance(table, tuple):
+        return tuple(
+            _replaced(each, rest, value) if row == part else each for row, each in enumerate(table)
+        )
+    return table.model_copy(update={part: _replaced(getattr(table, str(part)), rest, value)})
 
 
 def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str, Any]]:
@@ -141,8 +154,7 @@ def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str,
 
 
 def write_provenance(directory: Path, case: Case) -> None:
-    """Write the provenance of the run: versions, date, computer, and the copied mesh file."""
-    source = _source(case)
+    """Write the provenance of the run: versions, date, computer, and the copied files."""
     provenance: dict[str, Any] = {
         PACKAGE: version(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -150,9 +162,9 @@ def write_provenance(directory: Path, case: Case) -> None:
         "platform": platform(),
         "dependencies": _dependencies(),
     }
-    if source is not None:
+    for source in _sources(case):
         digest = sha256((directory / source.copy).read_bytes()).hexdigest()
-        provenance[source.key] = {"file": source.file, "sha256": digest}
+        provenance[source.name] = {"file": source.file, "sha256": digest}
     write_atomically(directory / PROVENANCE_NAME, json_text(provenance))
 
 

@@ -1,6 +1,8 @@
 """Runs of a shaft line: results, summary, figures, report, resumed marches, sweeps."""
 
 import json
+import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +11,13 @@ import numpy as np
 import pytest
 from PIL import Image
 from shaft_line_case import line_case
+from solid_meshes import fan_sector, whole
 
 import bladewhirl as bw
 from bladewhirl.models.case.shaft_line import ShaftLine
 from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.superelements.file import write_superelement
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.shaft_line.rotor import plot_rotor, rotor_of, seen
@@ -71,6 +76,47 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(folder: Path, tmp_path: Path)
         assert not whole.exists()
         for name in ("shaft_displacement", "bearing_force", "coupling_work", "energy"):
             np.testing.assert_array_equal(found[name].values, expected[name].values)
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_a_moved_run_has_copies_of_the_files_of_all_wheels(tmp_path: Path) -> None:
+    """Of the wheel, of another one and of the one that has lost a blade, beside the case file."""
+    origin, moved, march = tmp_path / "origin", tmp_path / "moved", 'speed = "900 rad/s"'
+    origin.mkdir()
+    steel: dict[str, Any] = {"young_modulus": 2.1e11, "poisson_ratio": 0.3, "density": 7850.0}
+    steel |= {"stress": False, "hub": "root", "hub_at": "-5 mm"}
+    mesh, gone = whole(fan_sector(3), 3), "r > 79.9 mm and -30 < angle < 30"
+    wheel, left = mesh3d(mesh, **steel), mesh3d(mesh, **steel, lost=gone)
+    stiffer = replace(wheel, stiffness=1.1 * wheel.stiffness)
+    for name, part in {"first": wheel, "second": stiffer, "left": left}.items():
+        write_superelement(origin / f"{name}.npz", part)
+    (origin / "case.toml").write_text(
+        f"""
+bladed_disk.superelement = {{ file = "first.npz", copies = 3 }}
+casing = {{ type = "rigid", clearance = 0.05 }}
+reduction.free_interface_modes = 24
+blade_loss = {{ blade = 2, time = 5e-5, damaged = {{ file = "left.npz" }} }}
+march = {{ {march}, time_step = 1e-6, record_step = 1e-5, duration = 1e-4, displacement_limit = 1 }}
+[shaft_line]
+segments = [{{ length = 0.6, outer_diameter = 0.04, elements = 3 }}]
+bearings = [{{ position = 0, stiffness = 1e7 }}, {{ position = 0.4, stiffness = 1e7 }}]
+wheel.position = 0.6
+wheels = [{{ position = 0.2, superelement = {{ file = "second.npz", copies = 3 }} }}]
+axial = {{ position = 0, stiffness = 5e7 }}
+""",
+        encoding="utf-8",
+    )
+    run(bw.read_case(origin / "case.toml"), origin / "run", frames=0)
+    shutil.move(origin / "run", moved)
+    contents = {path.stem: path.read_bytes() for path in origin.glob("*.npz")}
+    shutil.rmtree(origin)
+    for copy, name in {"superelement": "first", "wheel-2": "second", "damaged": "left"}.items():
+        assert (moved / f"{copy}.npz").read_bytes() == contents[name]
+    assert str(tmp_path) not in (moved / "case.toml").read_text(encoding="utf-8")
+    resume(moved, ["march.duration=4e-4"], frames=0)
+    with bw.open_result(moved) as result:
+        assert result.sizes["time"] == 41
+        assert str(tmp_path) not in result.attrs["case"]
 
 
 def test_a_free_line_is_braked_by_its_losses(tmp_path: Path) -> None:
