@@ -118,18 +118,22 @@ def case_hints(case: Case) -> tuple[str, ...]:
             f"march.run_up.start = {run_up.start!r} s: the change of the speed begins after the end"
             f" of the march, march.duration = {duration!r} s"
         )
-    return (*hints, *linear_hints(case))
+    return (*hints, *stiffness_hints(case))
 
 
 def linear_hints(case: Case) -> Iterator[str]:
-    """Yield warnings about modes and responses: joints do not act, or the stiffness of a
-    superelement is not that at the speed of the case."""
+    """Yield warnings about modes and responses: joints do not act, or those of the stiffness."""
     if case.joint:
         yield (
             "joints act in marches and in bladewhirl periodic, which also computes the responses"
             " with joints free, closed without friction or stuck: modes and responses are those of"
             " blades without joints"
         )
+    yield from stiffness_hints(case)
+
+
+def stiffness_hints(case: Case) -> Iterator[str]:
+    """Yield a warning if the stiffness of a superelement is not that at the speed of the case."""
     table, speed = case.bladed_disk.superelement, case.march.speed
     if table is None or case.effects != "none" or not speed.value:
         return
