@@ -12,6 +12,7 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.joint import Joint
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.joints.build import JointNodes, axes, joint_nodes, overclosures
+from bladewhirl.models.joints.pressed import NoStaticForces, pressed
 from bladewhirl.models.joints.wheel import DIRECTIONS
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import check_start
@@ -23,8 +24,6 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.stage import Stage
-
-STEPS = 100  #: largest number of changes of the closed pairs at the start
 
 
 def with_joints(stage: Stage, problem: ContactProblem) -> ContactProblem:
@@ -180,7 +179,7 @@ def _pressed(
     """Return joints with their forces at the start, and the start with the displacements by them.
 
     Raises:
-        CaseError: nothing holds the blades against the forces.
+        CaseError: nothing holds the blades against the forces, or these do not converge.
     """
     modes = rows @ rotor.all_contact
     force, normal = np.zeros(rows.shape[0]), slice(None, None, DIRECTIONS)
@@ -195,7 +194,11 @@ def _pressed(
         pushed, outward = np.zeros(len(tied)), found.axes[~tied, 0, 0, 0]
         pushed[~tied] = found.pull[found.damper[~tied], 0] / (2.0 * outward)
         opened = (found.gap + flexible @ pushed)[tied]
-        pushed[tied] = pressed(flexible[np.ix_(tied, tied)], opened)
+        try:
+            pushed[tied] = pressed(flexible[np.ix_(tied, tied)], opened)
+        except NoStaticForces as error:
+            expected = f"joints whose nodes have a static state at the start; {error}"
+            raise CaseError([case_fault(stage.case, "joint", expected)]) from error
         force[normal] = pushed
         moved = (modes.T @ force) / squares
     at_rest = (start.rotor.ravel() + moved).reshape(start.rotor.shape)
@@ -212,22 +215,3 @@ def _pressed(
         replace(found, start=place, start_force=force),
         replace(start, rotor=at_rest, contact_force=at_nodes),
     )
-
-
-def pressed(flexible: FloatArray, gap: FloatArray) -> FloatArray:
-    """Return the normal forces that close gaps: 0 <= l, flexible l + gap >= 0, of which one is zero
-    for each node [N], (nodes,), by a semismooth Newton method.
-
-    Args:
-        flexible: static displacements by normal forces [m/N], (nodes, nodes), positive definite.
-        gap: gaps without forces [m], (nodes,).
-    """
-    force, closed = np.zeros(len(gap)), gap < 0.0
-    for _ in range(STEPS):
-        force = np.zeros(len(gap))
-        force[closed] = np.linalg.solve(flexible[np.ix_(closed, closed)], -gap[closed])
-        after = force - (flexible @ force + gap) / np.diag(flexible) > 0.0
-        if (after == closed).all():
-            break
-        closed = after
-    return force

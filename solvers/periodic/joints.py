@@ -27,13 +27,13 @@ from math import gcd
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.joints.pressed import NoStaticForces, pressed
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.contact import NotConverged
 
 SAMPLED = 8  #: instants for each harmonic
 CREEP = 1e-8  #: slip per mean tangential force, relative to the flexibility
-STEPS = 30  #: largest number of steps to the static forces
 
 
 @dataclass(frozen=True)
@@ -190,10 +190,17 @@ class JointMotion:
 
     @classmethod
     def at_rest(cls, grid: JointGrid) -> "JointMotion":
-        """Return the motion whose forces are the static normal forces without friction."""
+        """Return the motion whose forces are the static normal forces without friction.
+
+        Raises:
+            NotConverged: there are no such forces.
+        """
         normal = slice(None, None, DIRECTIONS)
         parts = np.zeros_like(grid.load)
-        parts[0, normal] = pressed(grid.responses[0].real[normal, normal], grid.wheel.gap)
+        try:
+            parts[0, normal] = pressed(grid.responses[0].real[normal, normal], grid.wheel.gap)
+        except NoStaticForces as error:
+            raise NotConverged(str(error)) from error
         return cls(grid, parts)
 
     def on(self, grid: JointGrid) -> "JointMotion":
@@ -283,21 +290,3 @@ class JointMotion:
         force times the velocity."""
         power = np.pi * self.grid.number[:, None] * (self.harmonics.conj() * self.moved).imag
         return np.asarray(power.sum(axis=0).reshape(-1, DIRECTIONS).sum(axis=1))
-
-
-def pressed(flexible: FloatArray, gap: FloatArray) -> FloatArray:
-    """Return the normal forces that close gaps: 0 <= l, flexible l + gap >= 0, of which one is zero
-    for each node (nodes,), by a semismooth Newton method.
-
-    Raises:
-        NotConverged: there are no such forces.
-    """
-    force, closed = np.zeros(len(gap)), gap < 0.0
-    for _ in range(STEPS):
-        force = np.zeros(len(gap))
-        force[closed] = np.linalg.solve(flexible[np.ix_(closed, closed)], -gap[closed])
-        after = force - (flexible @ force + gap) / np.diag(flexible) > 0.0
-        if (after == closed).all():
-            return force
-        closed = after
-    raise NotConverged("the static forces of the joints do not converge")
