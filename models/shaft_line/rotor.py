@@ -66,7 +66,7 @@ class OnLine(NamedTuple):
     rotor: LineRotor
     damped: tuple[Damped, ...]
     forces: FloatArray
-    """Forces of unit size by the bearings on the coordinates, along x and along y, (n, forces)."""
+    """Forces of unit size by bearings and unbalances on the coordinates, (n, forces)."""
 
     @property
     def damping(self) -> Callable[[FloatArray], FloatArray] | None:
@@ -252,12 +252,21 @@ def _basis(wheel: Superelement, start: int, size: int, hub: Any) -> sp.csr_array
 
 
 def _forces(line: LineModel, number: IntArray, size: int) -> FloatArray:
-    """Return unit forces of the bearings along x and y, and unit moments of those against tilt."""
-    places = list[int]()
+    """Return unit forces along x and y and unit moments by bearings and unbalances, where they
+    act."""
+    places = dict[int, None]()
     for bearing in line.table.bearings:
-        first = HUB * line.node(bearing.position)
-        ways = [X, Y] + [ABOUT_X, ABOUT_Y] * bool(np.any(bearing.tilt_stiffness))
-        places += number[[first + way for way in ways]].tolist()
-    forces = np.zeros((size, len(places)))
-    forces[places, np.arange(len(places))] = 1.0
+        places |= _across(line, bearing.position, bool(np.any(bearing.tilt_stiffness)))
+    for unbalance in line.table.unbalance:
+        places |= _across(line, unbalance.position, bool(unbalance.couple))
+    rows = number[list(places)]
+    forces = np.zeros((size, len(rows)))
+    forces[rows, np.arange(len(rows))] = 1.0
     return forces
+
+
+def _across(line: LineModel, position: float, tilts: bool) -> dict[int, None]:
+    """Return the numbers of the displacements across the axis at a position [m], and, if forces
+    tilt the shaft there, of the rotations."""
+    first = HUB * line.node(position)
+    return dict.fromkeys(first + way for way in [X, Y] + [ABOUT_X, ABOUT_Y] * tilts)

@@ -102,7 +102,7 @@ def periodic(
     folder = output if json or output is not None else Path(f"{case.stem}-periodic")
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     failures = study.failures(data)
-    if folder is not None and data.sizes["speed"] == 1 and not read.joint:
+    if folder is not None and len(set(data["speed"].values)) == 1 and not read.joint:
         from bladewhirl.models.inputs.errors import CaseError
         from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.studies.periodic.records import record_motion

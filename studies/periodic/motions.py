@@ -13,14 +13,12 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.shaft_line.line import refuse_line
 from bladewhirl.models.stage.build import Buildable, build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
-from bladewhirl.solvers.periodic.corotating import obstacles
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.studies.joints import motions as joints
 from bladewhirl.studies.modal.study import Study
@@ -131,7 +129,6 @@ def periodic(
             found.
     """
     stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
-    refuse_line(stage)
     if stage.joint:
         if blade or periods != 1 or origin is not None:
             raise UserError("periodic: joints: expected no blade, periods and origin")
@@ -139,7 +136,8 @@ def periodic(
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
-    solutions, constant, failures, reference = [], [], [], 1.0
+    solutions, failures, reference = list[Solution](), list[str](), 1.0
+    constant = list[corotating.State]()
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
         at_speed = build_stage(with_values(stage, {"march.speed": speed.given}))
@@ -149,7 +147,7 @@ def periodic(
         structure = None if rests else blade_of(at_speed, blade, periods)
         try:
             if structure is None:
-                constant.append((problem, corotating.solution(problem, str(speed))))
+                constant += corotating.states(at_speed, problem, str(speed))
             else:
                 start = None if origin is None else motion_of(Path(origin), structure, blade)
                 solutions.append(solution(problem, structure, str(speed), blade, start))
@@ -158,7 +156,7 @@ def periodic(
         if progress is not None:
             progress(done, len(given))
     if constant:
-        data = corotating.dataset(stage, constant, reference)
+        data = corotating.dataset(stage, constant)
     elif solutions:
         data = _dataset(stage, solutions, reference).assign_attrs(blade=blade, periods=periods)
     else:
@@ -172,7 +170,6 @@ def nodes_of(stage: Stage, blade: int) -> Stage:
     Raises:
         UserError: it has no such blade.
     """
-    refuse_line(stage.case)
     table = stage.case.bladed_disk.superelement
     expected = "a superelement, as tips of beams have mass"
     if table is not None:
@@ -180,9 +177,11 @@ def nodes_of(stage: Stage, blade: int) -> Stage:
             f'bladed_disk.superelement.kind = "blade", found "{table.kind}", whose blades move'
             " each other through the disk: a march shows their motion"
         )
-    if table is None or table.kind != "blade":
+    if stage.case.shaft_line is not None:
+        expected = "a case without [shaft_line]: a march shows the motion of a line"
+    if stage.case.shaft_line is not None or table is None or table.kind != "blade":
         problem = contact_problem(stage, steps=False)
-        reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")
+        reason = next(corotating.reasons(stage.case, problem), "no load acts on the bladed disk")
         raise UserError(
             f"periodic: {reason}, so that contact is not constant in rotating axes; other motions"
             f" need {expected}"

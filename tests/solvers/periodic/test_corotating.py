@@ -21,9 +21,8 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor, contact_rows
 from bladewhirl.models.stage.wall import ReducedCasing
+from bladewhirl.solvers.periodic.corotating import Structure, corotating_contact, obstacles
 from bladewhirl.solvers.periodic.corotating import _deviations as deviations
-from bladewhirl.solvers.periodic.corotating import _rows as rows
-from bladewhirl.solvers.periodic.corotating import corotating_contact, obstacles
 from bladewhirl.solvers.periodic.ring import Ring
 from bladewhirl.studies.periodic.initial_states import of_corotating
 
@@ -215,8 +214,7 @@ def test_small_deviations_are_those_of_a_march(ring: int | None) -> None:
     for velocity in (start.rotor_velocity, start.rotor_velocity + kick):
         begun = replace(problem, start=replace(start, rotor_velocity=velocity))
         moved.append(advanced(begun, 1e-6, 1600, 200).rotor_displacement)
-    rotor = problem.rotor
-    stiffness, damping = deviations(problem, rows(rotor), np.diag(rotor.stiffness), found.normal)
+    stiffness, damping = deviations(problem, Structure.of_problem(problem), found.normal)
     size = len(stiffness)
     matrix = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])
     first = np.zeros(2 * size)
@@ -230,7 +228,7 @@ def test_a_ring_without_contact_decays_by_its_damping_ratio() -> None:
     its frequency is lower by n Omega."""
     problem = bladed(3, 2, ring=casing(24, damping=0.02), friction=0.3)
     rotor, wall = problem.rotor, problem.casing
-    stiffness, damping = deviations(problem, rows(rotor), np.diag(rotor.stiffness), np.zeros(6))
+    stiffness, damping = deviations(problem, Structure.of_problem(problem), np.zeros(6))
     size = len(stiffness)
     matrix = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])
     found, own = la.eigvals(matrix), len(rotor.frequency) * rotor.copies
