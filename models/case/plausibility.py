@@ -122,12 +122,12 @@ def case_hints(case: Case) -> tuple[str, ...]:
 
 
 def linear_hints(case: Case) -> Iterator[str]:
-    """Yield warnings about modes and responses: joints do not act, or those of the stiffness."""
+    """Yield warnings about modes: joints do not act, or those of the stiffness."""
     if case.joint:
         yield (
-            "joints act in marches and in bladewhirl periodic, which also computes the responses"
-            " with joints free, closed without friction or stuck: modes and responses are those of"
-            " blades without joints"
+            "joints act in marches, in bladewhirl periodic and, as joints that are free, closed"
+            " without friction or stuck, in bladewhirl response: modes are those of blades without"
+            " joints"
         )
     yield from stiffness_hints(case)
 

@@ -134,10 +134,20 @@ def forced_rotor(stage: Stage, loads: EngineOrders) -> ForcedRotor:
     return ForcedRotor(
         rotor=stage.rotor,
         forces=forces,
-        tips=blade_means(stage.blade),
+        tips=_tip_means(stage),
         static=static,
         has_centre=stage.has_centre,
     )
+
+
+def _tip_means(stage: Stage) -> FloatArray:
+    """Return `ForcedRotor.tips`: nodes of joints are not at the tips, unless all nodes are."""
+    every = np.arange(len(stage.blade))
+    tips = np.setdiff1d(every, stage.rotor.joined)
+    tips = tips if len(tips) else every
+    means = np.zeros((int(stage.blade.max()) + 1, len(every)))
+    means[:, tips] = blade_means(stage.blade[tips])
+    return means
 
 
 def check_forced(stage: Stage) -> None:

@@ -253,7 +253,9 @@ def response(
     shows the amplitudes of all blades and of nodal diameters against the speed. A blade with
     several contact nodes moves by their mean. With --draws, the table and the figure show how much
     mistuning amplifies the largest peak of the tuned blades, for random patterns of the stiffness
-    of blades (bladed_disk.mistuning.stiffness_spread). With --json and no -o nothing is written.
+    of blades (bladed_disk.mistuning.stiffness_spread). With [[joint]] table and figure have the
+    linear limits beside each other: joints free, closed without friction, and stuck; bladewhirl
+    periodic has the amplitudes with friction. With --json and no -o nothing is written.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is

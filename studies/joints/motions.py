@@ -12,6 +12,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.joints.build import jointed_wheel
+from bladewhirl.models.joints.limits import LIMITS
 from bladewhirl.models.joints.wheel import JointedWheel
 from bladewhirl.models.stage.build import build_stage, contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -48,9 +49,6 @@ COLUMNS = (
     Column("residual", "residual", ".1e"),
 )
 """Columns of the solutions; of several joints the largest force and share, and all work."""
-
-LIMITS = {"free": (), "closed without friction": (0,), "stuck": (0, 1, 2)}
-"""Linear limits, with the directions of the joint that do not move: normal, two tangents."""
 
 OF_JOINTS = {
     "largest_normal_force": ("N", "largest normal force"),
