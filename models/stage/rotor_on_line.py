@@ -229,11 +229,13 @@ class RotorOnLine(StageOnLine, Matrices):
         wall, kept = self.ring.reduced_casing, np.arange(self.reduced_casing.wall_modes)
         shown = replace(self, reduced_casing=wall, kept=replace(self.kept, casing=kept))
         arrays = super(RotorOnLine, shown).shown_arrays
-        table = self.line.table
+        table, hub = self.line.table, self.wheels[0].hub_position
+        assert hub is not None
         return replace(
             arrays,
             shaft_position=self.line.position,
             shaft_radius=self.line.outer_radius,
+            wheel_origin=float(self.line.position[self.line.wheels[0].node] - hub[2]),
             bearing_name=table.named(),
             bearing_node=np.array([self.line.node(each.position) for each in table.bearings]),
         )

@@ -30,8 +30,12 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import UP, StageParts
-from bladewhirl.postprocess.paraview.shaft_line import exaggeration_of, line_grids
-from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, opening
+from bladewhirl.postprocess.paraview.shaft_line import (
+    LINE_PARTS,
+    LineGrids,
+    exaggeration_of,
+)
+from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, middle_of, opening
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.colouring import is_normalised, scale_end
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
@@ -106,8 +110,8 @@ def export_vtk(
     the exaggeration are FieldData. With
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
-    A shaft line without a wheel has the part `rotor` only, its surface with `displacement` and
-    `warp`.
+    A shaft line has the parts `shaft`, its surface, and `bearings`, rings that move with the
+    supports, with `displacement` and `warp`; without a wheel it has no others.
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
     all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
@@ -126,11 +130,12 @@ def export_vtk(
             logger.info(hint)
     if not dataset.sizes["contact_node"]:
         factor = exaggeration_of(dataset, records, exaggeration)
+        line = LineGrids(dataset, rotating=rotating, exaggeration=factor)
         return write_series(
             Path(directory),
-            ["rotor"],
+            LINE_PARTS,
             dataset["time"].values[records],
-            line_grids(dataset, records, rotating=rotating, exaggeration=factor),
+            map(line.at, records.tolist()),
             {},
             factor,
             overwrite=overwrite,
@@ -307,8 +312,10 @@ def _view(
     that forces on them are seen."""
     stage, around = parts.drawn, rotating is False or blade_count(dataset) > 1
     axes, focus = axes_of_view(stage, view, around=around)
-    wall = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1)))
-    seen = (np.vstack([stage.rest, wall]) if around else stage.rest) - focus
+    wall, shaft = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1))), parts.shaft
+    if len(shaft):
+        focus = middle_of([stage.rest, shaft], axes)
+    seen = (np.vstack([stage.rest, wall, shaft]) if around else stage.rest) - focus
     gap, ahead = opening(axes[2])
     middle = stage.inner_radius.max() * np.cos(gap) * directions(ahead)
     planes = [(np.append(middle, 0.0), np.append(directions(ahead), 0.0))] if gap else []

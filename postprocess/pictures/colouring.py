@@ -24,6 +24,7 @@ from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points, Recovered
 from bladewhirl.postprocess.fields.strains import casing_strain_rows
 from bladewhirl.postprocess.pictures.choices import Field
+from bladewhirl.postprocess.pictures.solids import Solid
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS
 from bladewhirl.postprocess.run.wear import coating_of
 
@@ -61,6 +62,11 @@ class Colouring:
     wall: Scale  #: of the casing
     #: colours of parts by name; the values are then numbers of parts. None for a field
     parts: Mapping[str, str] | None = None
+
+    def shade(self, solid: Solid) -> Scale | str:
+        """Return the scale or the colour of a solid."""
+        scales = {"disk": self.disk, "wall": self.wall}
+        return scales[solid.shows] if solid.shows else solid.colour
 
     @property
     def scales(self) -> dict[str, Scale]:

@@ -5,6 +5,7 @@ Points are taken from a body of `bodies` and transformed to the axes of the pict
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,7 +24,7 @@ from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.pictures.bodies import COATING, Body
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import colouring, is_normalised
-from bladewhirl.postprocess.pictures.solids import METAL, behind
+from bladewhirl.postprocess.pictures.solids import Placed, Solid, behind
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
 HIDDEN = 0.03
@@ -39,12 +40,11 @@ class Ribbon:
     values: Array  #: true values of the field at the sides (line, station, side)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Surface:
-    """Surface of triangles; without points if the rotor consists of beams."""
+class Surface(NamedTuple):
+    """Surface of triangles of a solid."""
 
     points: Array  #: places, and distance towards the viewer (point, 3) [m]
-    values: Array  #: true values of the field (point,)
+    values: Array  #: true values of the field, NaN for none (point,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +55,8 @@ class Picture:
     time: float  #: [s]
     speed: float  #: speed of the rotor [rad/s]
     rotor: Ribbon  #: beams
-    surface: Surface
-    solids: tuple[Surface, ...]  #: the wall in space, its coating and a hub, see `Drawing.solids`
-    casing: Ribbon
+    casing: Ribbon  #: the wall around beams
+    solids: tuple[Surface, ...]  #: parts of the stage in space, see `Body.solids`
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn contact nodes (contact_node, 2) [m]
     tip_values: Array
@@ -111,12 +110,13 @@ class Drawing:
         self._dataset = dataset
         self._body = body = Body(dataset, records, exaggeration, around=self.around, view=view)
         self.points = body.points  #: points of the bladed disk at rest
-        self.triangles = body.triangles  #: points of each triangle of the surface (triangle, 3)
         self.solids = body.solids  #: triangles and colours of the solids
         if colour == "wear":  # of the coating, not of the wall behind it
-            swapped: dict[str | None, str | None] = {None: METAL, COATING: None}
             self.solids = tuple(
-                replace(one, colour=swapped.get(one.colour, one.colour)) for one in body.solids
+                replace(one, shows="wall" if one.colour == COATING else None)
+                if one.shows != "disk"
+                else one
+                for one in body.solids
             )
         self.nodes = body.nodes  #: nodes of beams, or contact nodes, at rest (node, 2) [m]
         self._stage = stage = body.stage
@@ -182,9 +182,8 @@ class Drawing:
             seen = self.picture(index)
             touching = seen.tips[np.any(seen.forces, axis=1)]
             contact = max(contact, float(np.max(np.sum(touching**2, axis=-1), initial=0.0)))
-            surface = seen.surface.points[:, :2]
-            walls = [solid.points[:, :2] for solid in seen.solids]
-            for shape in (seen.rotor.sides, surface, *walls, seen.casing.sides, *seen.symbols):
+            solids = [solid.points[:, :2] for solid in seen.solids]
+            for shape in (seen.rotor.sides, *solids, seen.casing.sides, *seen.symbols):
                 stage = max(stage, float(np.max(np.sum(shape**2, axis=-1), initial=0.0)))
         return float(np.sqrt(stage)), float(np.sqrt(contact))
 
@@ -199,13 +198,15 @@ class Drawing:
         forces = self._forces[index]
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
         hidden = np.append(self.lost[index], [False, False])
-        if len(shape.surface) and self.around:
-            # The wall is cut open in front of the tips, whose nodes lie at its inner face.
-            bodies = [(shape.surface, self.triangles)]
-            if len(shape.solids) > body.walls:
-                bodies.append((shape.solids[-1].points, self.solids[-1].triangles))
-            corners = [points[triangles] for points, triangles in bodies]
-            hidden |= behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
+        if self.around and self.solids:
+            corners = [
+                placed.points[solid.triangles]
+                for placed, solid in zip(shape.solids, self.solids, strict=True)
+                if solid.hides
+            ]
+            hidden |= behind(
+                spots, corners, HIDDEN * float(np.ptp(shape.solids[0].points, axis=0).max())
+            )
         gone = of_blades(self._dataset, 1.0 * self.lost[index]) > 0.0
         seen = body.seen(forces)
         seen[hidden[: len(seen)]] = 0.0
@@ -213,18 +214,10 @@ class Drawing:
             time=float(self.times[index]),
             speed=float(self.speeds[index]),
             rotor=Ribbon(sides=shape.ribbons, values=body.points.stations(values)),
-            surface=Surface(points=shape.surface, values=values[: len(shape.surface), 0]),
+            casing=Ribbon(sides=shape.wall, values=colours.casing[index][shape.stations]),
             solids=tuple(
-                Surface(
-                    points=points,
-                    values=np.where(
-                        at < 0, np.nan, colours.casing[index][at % len(colours.casing[index]), 0]
-                    ),
-                )
-                for points, at in shape.solids
-            ),
-            casing=Ribbon(
-                sides=shape.wall[None], values=colours.casing[index][shape.stations][None]
+                Surface(placed.points, self._values(index, solid, placed))
+                for solid, placed in zip(self.solids, shape.solids, strict=True)
             ),
             shaft=shape.centre[:2],
             tips=shape.tips[:, :2],
@@ -237,6 +230,15 @@ class Drawing:
             pushes=np.where(self.lost[index, :, None], 0.0, body.turned(forces)),
             blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0)[~gone],
         )
+
+    def _values(self, index: int, solid: Solid, placed: Placed) -> Array:
+        """Return the values of the field on a solid at the index-th record (point,)."""
+        if solid.shows == "disk":
+            return np.asarray(self.colouring.points[index, :, 0])
+        values, at = self.colouring.casing[index], placed.stations
+        if solid.shows is None or not len(at):
+            return np.full(len(placed.points), np.nan)
+        return np.where(at < 0, np.nan, values[at % len(values), 0])
 
 
 def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -> Array:

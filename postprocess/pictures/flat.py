@@ -16,7 +16,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.pictures.colouring import Scale
-from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon, Surface, arrows, widened
+from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon, arrows, widened
 
 LAMP = unit(np.array([-0.35, 0.5, 0.8]))  #: direction to the lamp, in the axes of the picture
 LEVELS = 128  #: number of colours of a scale
@@ -51,17 +51,11 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
         values.append(found)
         shades.append(face * np.reshape(light, (-1, 1)))
 
-    if len(picture.surface.points):
+    if drawing.solids:
         depth = []
-        bodies: list[tuple[Surface, IntArray, Scale | str]]
-        bodies = [(picture.surface, drawing.triangles, field.disk)]
-        bodies += [
-            (placed, solid.triangles, solid.colour or field.wall)
-            for placed, solid in zip(picture.solids, drawing.solids, strict=True)
-        ]
-        for surface, triangles, scale in bodies:
-            corner, values_at = surface.points[triangles], surface.values[triangles]
-            normal = _normals(corner, triangles)
+        for surface, solid in zip(picture.solids, drawing.solids, strict=True):
+            corner, values_at = (each[solid.triangles] for each in surface)
+            normal, scale = _normals(corner, solid.triangles), field.shade(solid)
             front = normal[:, 2] > 0.0
             corner = np.dstack([corner, values_at, np.repeat(normal[:, None], 3, axis=1)])[front]
             while not isinstance(scale, str) and 0 < len(corner) < FINE:

@@ -85,7 +85,7 @@ def test_points_swing_along_arcs_and_have_the_true_colour(three: xr.Dataset) -> 
     for index, grids in enumerate(series(three, RECORDS)):
         mesh = grids["rotor"]
         moved = mesh.point_data["displacement"]
-        values = drawing.picture(index).surface.values
+        values = drawing.picture(index).solids[0].values
         np.testing.assert_allclose(values, np.linalg.norm(moved, axis=1), rtol=1e-12)
         drawn, rest = stage.points(index), mesh.points
         out = rest[:, :2] / np.hypot(*rest[:, :2].T)[:, None]
@@ -116,7 +116,7 @@ def test_a_single_blade_fills_the_picture_in_rotating_axes(
     assert near.reach()[0] < 0.15 * RADIUS < RADIUS < around.reach()[0]
     assert Drawing(three, RECORDS).frame == "static"
     # The wall at its clearance, in axes in which it turns backward.
-    walls = [near.picture(index).casing.sides[0, :, 0] for index in range(len(RECORDS))]
+    walls = [near.picture(index).solids[1].points[::4, :2] for index in range(len(RECORDS))]
     assert np.abs(walls[0] - walls[1]).max() > 1e-4
     assert np.linalg.norm(walls[0][-1] - walls[1][-1]) < 0.05 * RADIUS
 
@@ -128,14 +128,14 @@ def test_the_wall_is_open_in_front_of_the_tips(three: xr.Dataset, view: Any) -> 
     across = np.hypot(*unit(np.array(TOWARDS[view]))[:2])
     for index in range(len(RECORDS)):
         seen = drawing.picture(index)
-        wall, hub = seen.solids
+        disk, wall, hub = seen.solids
         assert np.isnan(hub.values).all()  # separate blades stand on a hub
         assert len(wall.points) == 4 * WALL_STATIONS
         depth = wall.points[:, 2].max()
         assert (depth > across * RADIUS) == (view == "axial")
         # Drawn points have the distances that points in space have.
         stage: Any = drawing._stage
-        drawn, points = seen.surface.points, stage.points(index)
+        drawn, points = disk.points, stage.points(index)
         assert pdist(drawn) == pytest.approx(pdist(points))
     with pytest.raises(bw.ViewError, match="view must be one of oblique, axial, side"):
         Drawing(three, RECORDS, view=cast(Any, "top"))
@@ -145,7 +145,7 @@ def test_from_the_side_no_wall_is_in_front_of_the_tip_of_a_blade(single: xr.Data
     drawing = Drawing(single, np.array([0]), exaggeration=1.0, view="side")
     picture, body = drawing.picture(0), cast(Any, drawing._body)
     tips = body._placed(body.stage.contact_nodes(0), 0.0)
-    assert picture.solids[0].points[:, 2].max() < tips[:, 2].min() + 1e-3 * RADIUS
+    assert picture.solids[1].points[:, 2].max() < tips[:, 2].min() + 1e-3 * RADIUS
 
 
 def test_the_gap_below_a_coating_is_named_after_the_metal(single: xr.Dataset) -> None:
@@ -199,8 +199,8 @@ def test_each_track_of_a_coating_is_as_thick_as_the_layer_less_its_own_wear(
 ) -> None:
     result = worn(single)
     drawing = Drawing(result, RECORDS, exaggeration=FACTOR, colour="wear")
-    wall, *strips = drawing.picture(2).solids
-    assert [solid.colour for solid in drawing.solids[1:]] == [None] * 4  # two beside the tracks
+    _, wall, *strips = drawing.picture(2).solids
+    assert [solid.shows for solid in drawing.solids] == ["disk", None, *["wall"] * 4]
     for strip, share in zip(strips, (*WORN, 0.0, 0.0), strict=True):
         corner = strip.points.reshape(-1, 4, 3)
         thickness = np.linalg.norm(corner[:, 3] - corner[:, 0], axis=1)
@@ -281,14 +281,14 @@ def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Pat
     drawing = Drawing(three, RECORDS)
     for index, drawn in enumerate(part(about, places, "surface")):
         picture = drawing.picture(index)
-        points = np.concatenate([picture.surface.points, *(s.points for s in picture.solids)])
+        points = np.concatenate([solid.points for solid in picture.solids])
         scale = drawn[:, 0] @ points[:, 0] / (points[:, 0] @ points[:, 0])
         np.testing.assert_allclose(drawn, scale * points, atol=1.0 / FULL)
         assert scale * drawing.reach()[0] < 1.0
     assert about["ofPoints"] == [f"blade {n}" for n in points_of(three, 1).blade]
     assert about["surfaceShades"] + len(points) == about["nodeShades"] == shades.shape[1] - 9
     assert about["layout"]["casing"][1] == 0  # the wall is a solid
-    with_colour = [solid.colour for solid in drawing.solids if solid.colour]
+    with_colour = [solid.colour for solid in drawing.solids if not solid.shows]
     assert about["solidColours"] == with_colour == [METAL]
     assert shades[0, -10] == len(about["colours"])  # the first colour after those of the scale
     assert "orbit" not in about  # blades without a common centre
