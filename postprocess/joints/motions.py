@@ -3,13 +3,11 @@
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.plotting.axes import blade_axis, draw_map
+from bladewhirl.postprocess.plotting.axes import blade_axis, draw_states
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
@@ -23,8 +21,6 @@ from bladewhirl.postprocess.plotting.titles import set_title
 
 TOP = 1.15  #: upper end of the axis of amplitudes, relative to the largest one
 SHOWN = 5  #: largest number of speeds whose loops are drawn
-STATES = {"open": "white", "stuck": COLOURS["rest"], "slipping": COLOURS["k = 1"]}
-"""Colours of the states, in the order of their numbers."""
 
 
 @styled
@@ -54,8 +50,8 @@ def plot_joints(data: xr.Dataset) -> Figure:
     own = first["state"].values[largest]
     ahead = data.attrs["engine_order"] * len(own) / blades
     rows = [np.roll(own, -round(ahead * blade)) for blade in range(blades)]
-    colours, edges = ListedColormap([*STATES.values()]), np.linspace(0.0, 1.0, len(own) + 1)
-    draw_map(states, edges, np.arange(blades), rows, cmap=colours, vmin=0, vmax=len(STATES) - 1)
+    edges = np.linspace(0.0, 1.0, len(own) + 1)
+    meaning = draw_states(states, edges, np.arange(blades), rows)
     blade_axis(states, blades, of_y=True)
     states.set(xlabel="share of the period", ylabel="joint after blade")
     states.set_title(f"states at {float(data['rpm'][largest]):.6g} rpm")
@@ -63,9 +59,7 @@ def plot_joints(data: xr.Dataset) -> Figure:
     curve.set_xlabel("speed [rpm]")
     curve.locator_params(axis="x", nbins=5)
     set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
-    patches = [(Patch(fc=colour, ec="black"), name) for name, colour in STATES.items()]
-    groups = [Group(each) for each in (entries_of(loops), patches, entries_of(curve))]
-    legends_below(figure, *groups)
+    legends_below(figure, Group(entries_of(loops)), meaning, Group(entries_of(curve)))
     return figure
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import contact_nodes
@@ -314,6 +315,10 @@ class StageParts:
             "contact_force": force,
             "warp": rotate(stage.contact_nodes(index) + self._front - rest, turn),
         }
+        if has(dataset, "joints"):
+            for name in JOINT_FIELDS:
+                values = at_joint_nodes(dataset, name, records)[0]
+                fields[name.replace("-", "_")] = values
         cells = [("vertex", kept[:, None])]
         return meshio.Mesh(rotate(rest, turn), cells, fields, {"blade": [blade[kept]]})
 

@@ -21,6 +21,7 @@ from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.meshes.plane import directions, unit
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     contact_forces,
@@ -54,6 +55,7 @@ UNITS: Mapping[str, str] = {
     "von_mises_stress": "Pa",
     "velocity": "m/s",
     "contact_force": "N",
+    **{name.replace("-", "_"): each.unit or "1" for name, each in JOINT_FIELDS.items()},
     **dict.fromkeys(("rotor", "casing", "tips", "centre", "blade"), "1"),
 }
 """Units of the arrays on points."""
@@ -100,6 +102,9 @@ def export_vtk(
       in contact.
     * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
       time between the records, as a vector (normal inward, positive friction towards -theta).
+    * on `contact`, of a run with friction joints, NaN elsewhere: `joint_force`, the normal force
+      [N], `joint_slip`, the distance since the start [m], and `joint_state`: 0 open, 1 stuck, 2
+      slipping.
     * on `coating`: `wear`, the removed depth, and `remaining_thickness` [m] to the metal, which
       tips touch where the share `limit` is removed, and the number `track`, -1 beside the tracks.
     * on cells: the numbers `part` and `blade` (-1 for no blade), and `thickness` [m].

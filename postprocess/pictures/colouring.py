@@ -18,6 +18,7 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.enlarged import rounded_up
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.netcdf import has
@@ -25,7 +26,7 @@ from bladewhirl.postprocess.fields.points import Points, Recovered
 from bladewhirl.postprocess.fields.strains import casing_strain_rows
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.pictures.solids import Solid
-from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS, JOINT_STATES
 from bladewhirl.postprocess.run.wear import coating_of
 
 PART_COLOURS = tuple(
@@ -60,8 +61,9 @@ class Colouring:
     casing: Array  #: values (record, station, side); the first station is not repeated at the end
     disk: Scale  #: of points and contact nodes
     wall: Scale  #: of the casing
-    #: colours of parts by name; the values are then numbers of parts. None for a field
     parts: Mapping[str, str] | None = None
+    """Colours of parts, or of states of joints, by name, whose numbers are then the values; None
+    for a field."""
 
     def shade(self, solid: Solid) -> Scale | str:
         """Return the scale or the colour of a solid."""
@@ -128,8 +130,11 @@ def colouring(
         values = none
     elif field == "wear":
         found, values = found._replace(name="removed depth"), none
+    elif field in JOINT_FIELDS:
+        found = found._replace(**JOINT_FIELDS[field]._asdict())
+        nodes, values = at_joint_nodes(dataset, field, records), none
     else:
-        shown = ", ".join((*MAGNITUDES, *points.recovered, "gap", "wear", "part"))
+        shown = ", ".join((*MAGNITUDES, *points.recovered, "gap", "wear", "part", *JOINT_FIELDS))
         raise ViewError(
             f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
             f" its file has stress_recovery; expected {shown}"
@@ -140,7 +145,13 @@ def colouring(
     values, normalised = np.broadcast_to(values, (*values.shape[:2], 2)), is_normalised(dataset)
     largest = _largest(values, nodes), _largest(casing)
 
+    parts = None
+    if field == "joint-state":
+        parts = {f"joint {name}": shade for name, shade in JOINT_STATES.items()}
+
     def scale(amount: float, colours: str) -> Scale:
+        if parts is not None:
+            return _numbered(parts)
         unit, factor = ("m/s", 1.0) if field == "velocity" else handy_unit(amount, found.unit)
         if normalised:
             unit, factor = "\N{EN DASH}", 1.0 / (max(largest) or 1.0)
@@ -155,6 +166,7 @@ def colouring(
         casing=casing,
         disk=scale(largest[0], "magnitude"),
         wall=scale(largest[1], "wall"),
+        parts=parts,
     )
 
 
@@ -203,7 +215,7 @@ def _casing(
             depth = depth.max(axis=1)
         # In space, stations of one track after another.
         return _on_both_sides(depth.reshape(len(records), -1))
-    if field == "gap" or not has(dataset, "casing"):
+    if field in ("gap", *JOINT_FIELDS) or not has(dataset, "casing"):
         return np.full((len(records), len(angle), 2), np.nan)
     if field not in MAGNITUDES:
         ring = casing_strain_rows(dataset, per_element)
@@ -229,8 +241,7 @@ def _parts(dataset: xr.Dataset, points: Points, records: IntArray, per_element: 
     part = np.broadcast_to(points.part[:, None], (len(records), len(points.part), 2))
     stations = len(kinematics.wall_angles(dataset, per_element))
     all_parts = shown | {"casing": COLOURS["casing"]}
-    colours = ListedColormap([*all_parts.values()])
-    scale = Scale("", 1.0, (-0.5, len(all_parts) - 0.5), colours)
+    scale = _numbered(all_parts)
     return Colouring(
         name="part",
         points=part.astype(np.float64),
@@ -240,6 +251,11 @@ def _parts(dataset: xr.Dataset, points: Points, records: IntArray, per_element: 
         wall=scale,
         parts=all_parts,
     )
+
+
+def _numbered(colours: Mapping[str, str]) -> Scale:
+    """Return the scale of numbers from 0 on that stand for names with colours."""
+    return Scale("", 1.0, (-0.5, len(colours) - 0.5), ListedColormap([*colours.values()]))
 
 
 def _on_both_sides(values: Array) -> Array:

@@ -19,6 +19,7 @@ from bladewhirl.postprocess.fields.by_blade import (
     blade_length,
     of_blades,
 )
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.pictures.bodies import COATING, Body
@@ -107,7 +108,7 @@ class Drawing:
         self.frame: Frame = frame or ("static" if several else "rotating")
         rotating = self.frame == "rotating"
         self.around = several or not rotating  #: whether the axis is in the picture
-        self._dataset = dataset
+        self._dataset, self._colour = dataset, colour
         self._body = body = Body(dataset, records, exaggeration, around=self.around, view=view)
         self.points = body.points  #: points of the bladed disk at rest
         self.solids = body.solids  #: triangles and colours of the solids
@@ -156,7 +157,8 @@ class Drawing:
     @property
     def discs(self) -> list[str]:
         """Text with the meaning of discs, if there are any."""
-        return ["discs: contact nodes"] * bool(np.isfinite(self.colouring.nodes).any())
+        shown = "joints" if self._colour in JOINT_FIELDS else "contact nodes"
+        return [f"discs: {shown}"] * bool(np.isfinite(self.colouring.nodes).any())
 
     @property
     def dots(self) -> list[str]:

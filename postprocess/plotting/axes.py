@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, QuadMesh
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
+from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
+from bladewhirl.postprocess.plotting.legends import Group
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, JOINT_STATES
 
 SPEED = "speed Ω / ω₁ [–]"
 FREQUENCY = "frequency / ω₁ [–]"
@@ -86,6 +88,15 @@ def draw_map(
     if label:
         axes.figure.colorbar(mesh, ax=axes, label=label)
     return mesh
+
+
+def draw_states(axes: Axes, x: ArrayLike, y: ArrayLike, states: ArrayLike) -> Group:
+    """Draw numbers of states of joints (row, column) as a map, see `draw_map`; return the entries
+    of a legend."""
+    colours, last = ListedColormap([*JOINT_STATES.values()]), len(JOINT_STATES) - 0.5
+    draw_map(axes, x, y, states, cmap=colours, vmin=-0.5, vmax=last)
+    patches = [Patch(fc=colour, ec="black", lw=0.5) for colour in JOINT_STATES.values()]
+    return Group([*zip(patches, JOINT_STATES, strict=True)])
 
 
 def draw_decades(

@@ -275,6 +275,41 @@ def test_fields_of_surfaces(three: xr.Dataset, colour: Any, unit: str) -> None:
         assert np.isnan(colouring.casing).all()  # of a rigid wall
 
 
+@pytest.mark.parametrize("colour", ["joint-force", "joint-slip", "joint-state"])
+def test_both_nodes_of_a_joint_show_its_value(three: xr.Dataset, colour: Any) -> None:
+    """Also that of a damper, whose other end is no node; a node of two pairs shows the larger."""
+    ends = np.array([[3, 2], [6, 5], [7, -1], [7, 5]])
+    force = np.linspace(1.0, 2.0, three.sizes["time"])[:, None, None] * np.arange(1.0, 13.0)
+    steps = np.zeros((three.sizes["time"], 4, 3), dtype=np.int64)
+    steps[1:, np.arange(4), [0, 1, 2, 1]] = 9
+    over = ("time", "joint_pair")
+    jointed = three.assign(
+        joint_name=("joint_pair", ["shroud"] * 4),
+        joint_end=(("joint_pair", "joint_side"), ends),
+        joint_force=((*over, "joint_direction"), force.reshape(-1, 4, 3)),
+        joint_slip=(over, 1e-6 * force.reshape(-1, 4, 3)[..., 1]),
+        joint_steps=((*over, "joint_state"), steps),
+    )
+    drawing = Drawing(jointed, RECORDS, colour=colour)
+    pairs = {
+        "joint-force": jointed["joint_force"].values[RECORDS, :, 0],
+        "joint-slip": jointed["joint_slip"].values[RECORDS],
+        "joint-state": np.where(RECORDS[:, None] > 0, [0.0, 1.0, 2.0, 1.0], np.nan),
+    }[colour]
+    expected = np.full((3, 9), np.nan)
+    expected[:, [3, 2, 6]] = pairs[:, [0, 0, 1]]
+    expected[:, 5], expected[:, 7] = pairs[:, [1, 3]].max(axis=1), pairs[:, [2, 3]].max(axis=1)
+    np.testing.assert_array_equal(drawing.colouring.nodes, expected)
+    shown = [drawing.picture(index).tip_values for index in range(3)]
+    assert np.isfinite(np.concatenate(shown)).any()
+    assert drawing.discs == ["discs: joints"]
+    name = colour.replace("-", "_")
+    for index, grids in enumerate(series(jointed, RECORDS)):
+        np.testing.assert_array_equal(grids["contact"].point_data[name], expected[index])
+    with pytest.raises(ViewError, match=r"the run has no \[\[joint\]\]"):
+        Drawing(three, RECORDS, colour=colour)
+
+
 def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Path) -> None:
     path = render_page(three, tmp_path / "a.html", RECORDS)
     about, places, shades = page(path)
