@@ -67,6 +67,9 @@ class OnLine(NamedTuple):
     damped: tuple[Damped, ...]
     forces: FloatArray
     """Forces of unit size by bearings and unbalances on the coordinates, (n, forces)."""
+    rigid: FloatArray | None
+    """Rigid motions of a rotor of equal blades: along x and y, and tilts towards x and y about the
+    start of the shaft, the latter if all wheels tilt, (n, 2 or 4)."""
 
     @property
     def damping(self) -> Callable[[FloatArray], FloatArray] | None:
@@ -148,18 +151,21 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
         bases.append(_basis(wheel, int(start), size, sp.csr_array(hub) @ on_shaft))
     forms = {name: on_shaft.T @ (form @ on_shaft) for name, form in shaft.forms.items()}
     loads = {name: on_shaft.T @ load for name, load in shaft.loads.items()}
-    weight = np.array([on_shaft.T @ (shaft.forms["mass"] @ way) for way in shaft.uniform])
+    held_upright = any(one.unknowns == "two" for one in tables)
+    rigid = on_shaft.T @ (shaft.rigid[:, :2] if held_upright else shaft.rigid)
+    weight = np.array([on_shaft.T @ (shaft.forms["mass"] @ way) for way in shaft.rigid.T[:2]])
     damped = list[Damped]()
-    for wheel, basis, table in zip(wheels, bases, tables, strict=True):
-        motions = rigid_motions(wheel)
+    for start, wheel, basis, table in zip(starts, wheels, bases, tables, strict=False):
+        motions, own = rigid_motions(wheel), inner_dofs(wheel)
         check_hub(wheel, motions)
+        rigid[start : start + len(own)] = motions[own] @ (basis[hub_of(wheel)] @ rigid)
         for name, form in wheel.projected(basis, wheel.FORMS).items():
             forms[name] = forms[name] + form if name in forms else form
         for name, load in wheel.projected(basis, wheel.LOADS).items():
             loads[name] = loads[name] + load if name in loads else load
         weight += np.asarray((wheel.mass @ motions[:, :2]).T @ basis)
         if table.damping_ratio:
-            of_hub, own = basis[hub_of(wheel)], inner_dofs(wheel)
+            of_hub = basis[hub_of(wheel)]
             relative = basis[own] - sp.csr_array(motions[own]) @ of_hub
             damped.append(Damped(hub_freed(wheel), sp.csr_array(relative), table.damping_ratio))
     first, basis = wheels[0], bases[0]
@@ -180,7 +186,7 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
         line_rows=on_shaft,
         weight_rows=weight,
     )
-    return OnLine(rotor, tuple(damped), _forces(line, number, size))
+    return OnLine(rotor, tuple(damped), _forces(line, number, size), rigid)
 
 
 def linearised(rotor: LineRotor, omega: float) -> LineRotor:
@@ -196,7 +202,7 @@ def linearised(rotor: LineRotor, omega: float) -> LineRotor:
 class _Shaft(NamedTuple):
     forms: dict[str, Any]
     loads: dict[str, FloatArray]
-    uniform: FloatArray  #: uniform displacements along x and along y, (2, 6 * nodes)
+    rigid: FloatArray  #: rigid motions along x and y, and tilts towards x and y, (6 * nodes, 4)
 
 
 def _shaft(line: LineModel) -> _Shaft:
@@ -231,13 +237,16 @@ def _shaft(line: LineModel) -> _Shaft:
         forms["stiffness"][spring, spring] += table.axial.stiffness
     turned = np.zeros(2 * nodes)
     turned[nodes:] = 1.0
+    plane = np.zeros((2 * nodes, 2))  # deflections and slopes of the rigid motions in a plane
+    plane[0::2] = np.stack([np.ones(nodes), line.position - line.position[0]], axis=1)
+    plane[1::2, 1] = 1.0
     return _Shaft(
         forms={name: sp.csr_array(form) for name, form in forms.items()},
         loads={
             "centrifugal_load": np.zeros(HUB * nodes),
             "euler_load": -axial.T @ (rod_mass @ turned),
         },
-        uniform=np.stack([np.tile(np.eye(HUB)[way], nodes) for way in (X, Y)]),
+        rigid=np.hstack([in_x.T @ plane, in_y.T @ plane])[:, [0, 2, 1, 3]],
     )
 
 

@@ -44,6 +44,7 @@ from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.speed_change import with_drive, with_rotation
 from bladewhirl.models.stage.varying_speed import SpeedChange
+from bladewhirl.models.superelements.free_motions import SLOWEST, FreeMotions
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -67,9 +68,11 @@ class RotorOnLine(StageOnLine, Matrices):
     wheels: tuple[Superelement, ...]  #: its wheels with their hubs
 
     def with_case(self, case: Case) -> "RotorOnLine":
-        if case.march.varies:  # the modes are those of all its speeds
+        case = case.in_seconds(self.reference_frequency)
+        # The modes are those of all speeds, and keep the momentum in steps of a length.
+        if case.march.varies or case.march.time_step != self.case.march.time_step:
             return build_rotor_on_line(case, self.ring)
-        return replace(self, case=case.in_seconds(self.reference_frequency))
+        return replace(self, case=case)
 
     def at(self, omega: float) -> "RotorOnLine":
         at_speed = {"march.speed": omega / self.reference_frequency}
@@ -257,6 +260,7 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
         line = line_model(case)
         tables = (table, *(one.superelement for one in line.table.wheels))
         wheels = tuple(wheel_with_hub(one.with_hub, one.copies) for one in tables)
+        case = case.in_seconds(line.reference_frequency)
         on_line = _prepared(case, line, line_rotor(line, wheels))
         reduced_at = partial(_reduced_at, case, on_line)
         others = other_speeds(case, line.reference_frequency)
@@ -266,7 +270,7 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
     ring, rotor = stage_casing(case) if ring is None else ring, on_line.rotor
     wall = with_supports(ring.reduced_casing, line.table.supports)
     return RotorOnLine(
-        case=case.in_seconds(line.reference_frequency),
+        case=case,
         casing=ring.casing,
         casing_modes=ring.casing_modes,
         reduced_casing=wall,
@@ -335,10 +339,13 @@ def _reduced_at(
     other speeds that `massless` adds."""
     root, forces, reduction = on_line.damping, on_line.forces, case.reduction
     part, *slower = (on_line.rotor.at(speed) for speed in (omega, *others))
+    angle, free = abs(omega) * case.march.time_step, None
+    if on_line.rigid is not None and angle > SLOWEST:
+        free = FreeMotions(on_line.rigid, angle)
     if reduction.boundary == "massless":
         modes = min(reduction.free_interface_modes, part.size - 1)
-        return massless(part, modes, root, slower, forces)
+        return massless(part, modes, root, slower, forces, free)
     kept = reduction.fixed_interface_modes
     if kept == MODES:  # the default: all modes of a small superelement
         kept = min(kept, part.size - boundary_size(part))
-    return consistent(part, kept, kept, root, slower, forces)
+    return consistent(part, kept, kept, root, slower, forces, free)
