@@ -56,7 +56,9 @@ def with_marches(branch: xr.Dataset, sweeps: Sequence[xr.Dataset] = ()) -> xr.Da
 
 def size_of(data: xr.Dataset) -> np.ndarray:
     """Return half the range of the radial displacement of the contact node that moves most at each
-    point of a branch [m], (points,)."""
+    point of a branch [m], (points,); in constant contact the deflection of the shaft."""
+    if "centre" in data:
+        return np.asarray(np.hypot(*data["centre"].values.T))
     moved = data["contact_displacement"].sel(direction="radial")
     swing = moved.max("instant") - moved.min("instant")
     return np.asarray(swing.max("node").values / 2.0)
@@ -130,7 +132,8 @@ def plot_branch(data: xr.Dataset) -> Figure:
         marched = chosen["march_parameter"].values, chosen["march_impulse"].values
         impulse.plot(*marched, mark, markersize=5, color=colour, label=label)
     impulse.set_ylabel("impulse per revolution [N s]")
-    size.set_ylabel("largest radial amplitude [mm]")
+    whirl = "radius of the shaft" if "centre" in data else "largest radial amplitude"
+    size.set_ylabel(f"{whirl} [mm]")
     turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
     circle.plot(turn.real, turn.imag, color=COLOURS["rest"], linewidth=0.5)
     shown = np.hypot(data["multiplier_real"], data["multiplier_imaginary"]) < 3.0

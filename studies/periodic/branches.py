@@ -32,6 +32,7 @@ from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.search import prolonged
 from bladewhirl.studies.joints import branches as joints
 from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.periodic import corotating_branches
 from bladewhirl.studies.periodic.branch_file import (
     UNITS,
     BranchFile,
@@ -156,6 +157,11 @@ def branch(
     a folder, and ends where the key leaves the range. Folds, period doublings and Neimark-Sacker
     bifurcations are points of their own; each was found again with twice as many instants.
 
+    The branch of contact that is constant in rotating axes, see `bladewhirl.periodic`, is followed
+    from its first state, or from the motion without contact. Between corners, where a tip joins or
+    leaves those in contact, its points are exact; folds are corners. The Dataset has over `point`
+    the variables of `bladewhirl.periodic`, with `parameter` and `kind`; nothing is written.
+
     Args:
         case: case as for `bladewhirl.periodic`.
         over: key of the case, such as "march.speed" or "casing.clearance".
@@ -198,6 +204,10 @@ def branch(
         if (blade, periods, origin, folder) != (0, 1, None, None):
             raise UserError("branch: joints: expected no blade, periods, origin and directory")
         return joints.branch(case, parameter, points, progress)
+    if corotating_branches.applies(case, parameter):
+        if (blade, periods, origin) != (0, 1, None):
+            raise UserError("branch: constant contact: expected no blade, periods and origin")
+        return corotating_branches.branch(case, parameter, points, progress)
     family = Family(case, parameter, blade, periods)
     grid = family.grid(parameter.start, instants)
     first = _first(grid, parameter, None if origin is None else Path(origin), blade)
@@ -486,6 +496,8 @@ def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of a branch."""
     if "joint" in data.dims:
         return joints.report(data)
+    if "growth_rate" in data:
+        return corotating_branches.report(data)
     real, imaginary = (data[f"multiplier_{part}"].values for part in ("real", "imaginary"))
     found = rows_of(
         data.assign(

@@ -57,7 +57,6 @@ def is_corotating(problem: ContactProblem) -> bool:
 class State:
     """A constant contact of a stage."""
 
-    stage: Stage
     problem: ContactProblem
     contact: CorotatingContact
 
@@ -104,7 +103,7 @@ def reasons(case: Case, problem: ContactProblem) -> Iterator[str]:
     yield from obstacles(problem)
 
 
-def states(stage: Stage, problem: ContactProblem, speed: str) -> list[State]:
+def states(problem: ContactProblem, speed: str) -> list[State]:
     """Return the constant contacts at a speed, whose text is in messages; at last the motion
     without contact, if it exists beside others.
 
@@ -118,13 +117,14 @@ def states(stage: Stage, problem: ContactProblem, speed: str) -> list[State]:
     if not found[0].normal.any():
         smallest = 1e3 * found[0].gap.min()
         raise UserError(f"periodic: no contact at {speed}: the smallest gap is {smallest:.4g} mm")
-    return [State(stage, problem, each) for each in found]
+    return [State(problem, each) for each in found]
 
 
-def dataset(case: Case, found: Sequence[State]) -> xr.Dataset:
-    """Return the Dataset of constant contacts; there can be several at a speed."""
-    contacts, (stage, *_) = [each.contact for each in found], [each.stage for each in found]
-    reference = stage.reference_frequency
+def dataset(stage: Stage, found: Sequence[State]) -> xr.Dataset:
+    """Return the Dataset of constant contacts of a stage, also at other speeds; there can be
+    several at a speed."""
+    case, reference = stage.case, stage.reference_frequency
+    contacts = [each.contact for each in found]
     speeds = np.array([each.problem.speed for each in found])
     normal = np.stack([each.normal for each in contacts])
     gap = np.stack([each.gap for each in contacts])

@@ -147,7 +147,7 @@ def periodic(
         structure = None if rests else blade_of(at_speed, blade, periods)
         try:
             if structure is None:
-                constant += corotating.states(at_speed, problem, str(speed))
+                constant += corotating.states(problem, str(speed))
             else:
                 start = None if origin is None else motion_of(Path(origin), structure, blade)
                 solutions.append(solution(problem, structure, str(speed), blade, start))
@@ -156,7 +156,7 @@ def periodic(
         if progress is not None:
             progress(done, len(given))
     if constant:
-        data = corotating.dataset(stage, constant)
+        data = corotating.dataset(at_speed, constant)
     elif solutions:
         data = _dataset(stage, solutions, reference).assign_attrs(blade=blade, periods=periods)
     else:
