@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.periodic.branch import plot_branch
@@ -19,6 +19,7 @@ from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating
 from bladewhirl.studies.runs.columns import Column, rows_of, table
 from bladewhirl.studies.sweeps.parameter import Parameter
+from bladewhirl.studies.sweeps.stages import stage_at
 
 MOST = 2000  #: largest number of points
 COLUMNS = (Column("kind", "bifurcation", variable="kind_name"), Column("parameter", "value", ".6g"))
@@ -89,7 +90,7 @@ def branch(
 
 def _problem(case: Case, parameter: Parameter, value: float) -> tuple[Stage, ContactProblem]:
     """Return stage and contact problem at a value of the key."""
-    stage = build_stage(parameter.case(case, value))
+    stage = stage_at(parameter.case(case, value))
     return stage, contact_problem(stage, steps=False)
 
 
