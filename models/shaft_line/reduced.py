@@ -91,10 +91,15 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
         2.0 * sine * mass - cosine * polar,
         sine * polar - chord * mass,
     )
-    at_speed = stiffness + speed**2 * softer
-    squares, on_basis = la.eigh(basis.T @ at_speed @ basis, basis.T @ mass @ basis)
+    bent = _without_rigid(basis.T @ stiffness @ basis, basis, line.position)
+    at_speed = bent + speed**2 * (basis.T @ softer @ basis)
+    squares, on_basis = la.eigh(at_speed, basis.T @ mass @ basis)
     shapes = basis @ on_basis
-    projected = [shapes.T @ each @ shapes for each in (twice, softer, stiffness)]
+    projected = [
+        shapes.T @ twice @ shapes,
+        shapes.T @ softer @ shapes,
+        on_basis.T @ bent @ on_basis,
+    ]
     twice, softer, bent = ((each + each.T) / 2.0 for each in projected)  # no damping by rounding
     return ReducedLine(
         speed=speed,
@@ -104,6 +109,15 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
         stiffness_speed=real_form(softer),
         damping=line.table.loss_time * real_form(bent),
     )
+
+
+def _without_rigid(stiffness: FloatArray, basis: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the stiffness on a basis without the forces on rigid motions that rounding leaves."""
+    rigid = np.zeros((len(basis), 2))
+    rigid[0::2, 0], rigid[0::2, 1], rigid[1::2, 1] = 1.0, position, 1.0
+    own = la.qr(la.lstsq(basis, rigid)[0], mode="economic")[0]
+    bending = np.eye(len(own)) - own @ own.T
+    return np.asarray(bending @ stiffness @ bending)
 
 
 def _sinc(angle: float) -> float:
