@@ -20,7 +20,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 )
 from bladewhirl.postprocess.fields.kinematics import table_of_result
 from bladewhirl.postprocess.fields.windows import span_starts
-from bladewhirl.postprocess.pictures.flat import draw_flat, flat_stage
+from bladewhirl.postprocess.pictures.flat import MOST_NUMBERS, draw_flat, flat_stage
 from bladewhirl.postprocess.plotting.style import COLOURS, INCH, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import about_run
 from bladewhirl.postprocess.run.extremes import largest_force, mean_forces
@@ -31,7 +31,6 @@ from bladewhirl.postprocess.run.unrolled import unrolled, whole_run
 PAD = 0.08  #: distance of panels from each other and from the edges [inch]
 PAGE = (0.297, 0.21)  #: width and height of the page, A4 [m]
 LINE = 150  #: largest number of characters in a line of the verdict
-MOST_NUMBERS = 12  #: largest number of blades that are numbered around the clock
 COLUMNS = 1000  #: largest number of spans of time of a curve
 FAMILY = 0.05  #: modes whose frequencies differ by less, relatively, are drawn as one band
 ORDERS = 8  #: the Campbell diagram reaches at least this engine order
@@ -265,6 +264,8 @@ def _draw_campbell(axes: Axes, data: xr.Dataset) -> None:
             )
         axes.axvline(60.0 * turns, color=COLOURS["total"], linewidth=0.9)
     near, title = nearest_order(data), "natural frequencies, rotating axes, and the speed"
+    if data.sizes["blade"] > 1:
+        title += "\nbands: families with all nodal diameters"
     if near is not None:
         axes.plot(60.0 * turns, near[1], "o", color=COLOURS["k = 1"], markersize=5, mfc="none")
         title += f"\norder {near[0]} is {100 * near[2]:.2g} % from {near[1]:.4g} Hz"

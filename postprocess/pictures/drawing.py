@@ -28,6 +28,8 @@ from bladewhirl.postprocess.pictures.colouring import colouring, is_normalised
 from bladewhirl.postprocess.pictures.solids import Placed, Solid, behind
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
+NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
+"""Radius and sideways offset of a blade number, relative to the tip radius."""
 HIDDEN = 0.03
 """A part hides a point if it is nearer to the viewer by more than this share of the surface's
 size."""
@@ -258,6 +260,24 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
     side = np.array([0.5, 0.5, 1.6, 0.0, -1.6, -0.5, -0.5]) * head[:, None] / 5
     outline = tips[:, None] - back[..., None] * ahead[:, None] + side[..., None] * aside[:, None]
     return np.asarray(outline)
+
+
+def number_places(picture: Picture, first: IntArray, size: float) -> Array:
+    """Return places of the numbers of blades, beside the first tip of each that is seen, (blade, 2)
+    [m]; NaN where none is seen.
+
+    Args:
+        picture: the stage at a record.
+        first: number of the first contact node of each blade, (blade,).
+        size: distance from the middle to the edge of the picture [m].
+    """
+    seen = ~picture.hidden[: len(picture.tips)]
+    number = np.where(seen, np.arange(len(seen)), len(seen))
+    nearest = np.minimum.reduceat(number, first)
+    span = np.vstack([picture.tips, [np.nan, np.nan]])[nearest] - picture.shaft
+    aside = rotate(unit(span), np.pi / 2)
+    reach = min(float(np.max(np.nan_to_num(np.abs(span)), initial=0.0)), size)
+    return np.asarray(picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * reach * aside)
 
 
 def widened(sides: Array, right: float, left: float) -> Array:
