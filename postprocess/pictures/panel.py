@@ -238,8 +238,9 @@ class BladeNumbers:
         """Move the numbers to their blades."""
         beside = number_places(picture, self._first, self._size)[self._blades]
         for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
-            actor.visibility = bool(np.isfinite(place).all())
-            if actor.visibility:
+            seen = bool(np.isfinite(place).all())
+            actor.SetVisibility(seen)
+            if seen:
                 actor.SetPosition(*place)
 
 
