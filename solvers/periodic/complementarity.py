@@ -11,7 +11,8 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 
-CHANGES = 200  #: largest number of changes of the set of tips in contact
+CHANGES, OF_ARC = 200, 12
+"""Largest number of changes of the set of tips in contact, and of a set that was an arc of tips."""
 SAME = 10.0  #: largest difference of the gaps of equal solutions, relative to the tolerance
 ARCS = 32  #: largest number of tips at which arcs of tips begin, and of lengths of arcs
 DEFINITE = 1e-12  #: least eigenvalue of a matrix that counts as definite, relative to the largest
@@ -46,11 +47,11 @@ class Complementarity:
         """Return which tips of a set pull, and which others penetrate the wall."""
         return np.where(chosen, normal < 0.0, self.gap(normal) < -self.tolerance)
 
-    def solved(self, chosen: BoolArray) -> FloatArray | None:
+    def solved(self, chosen: BoolArray, changes: int = CHANGES) -> FloatArray | None:
         """Return the normal forces of a solution, from a set of tips in contact; None if the set
-        keeps changing."""
+        still changes after a number of changes."""
         seen = set[bytes]()
-        for _ in range(CHANGES):
+        for _ in range(changes):
             normal = self.forces(chosen)
             if normal is None:
                 return None
@@ -77,8 +78,8 @@ class Complementarity:
         size = np.linalg.eigvalsh(self.matrix + self.matrix.T)
         only = bool(len(size)) and bool(size[0] > DEFINITE * size[-1])
         known = list[FloatArray]()
-        for chosen in self._sets():
-            normal = self.solved(chosen)
+        for chosen, changes in self._sets():
+            normal = self.solved(chosen, changes)
             if normal is None:
                 continue
             gap = self.gap(normal)
@@ -89,14 +90,15 @@ class Complementarity:
             if only:
                 return
 
-    def _sets(self) -> Iterator[BoolArray]:
-        """Yield sets of tips with which a search begins."""
+    def _sets(self) -> Iterator[tuple[BoolArray, int]]:
+        """Yield sets of tips with which a search begins, and the number of their changes."""
         tips = len(self.start)
-        yield self.start < 0.0
-        yield from np.eye(tips, dtype=np.bool_)[self.start * np.diag(self.matrix) < 0.0]
+        yield self.start < 0.0, CHANGES
+        for chosen in np.eye(tips, dtype=np.bool_)[self.start * np.diag(self.matrix) < 0.0]:
+            yield chosen, CHANGES
         around, step = np.argsort(np.mod(self.angle, 2.0 * np.pi), kind="stable"), 1 + tips // ARCS
         for length in range(2, tips + 1, step):
             for first in range(0, tips, step):
                 chosen = np.zeros(tips, dtype=np.bool_)
                 chosen[around[(first + np.arange(length)) % tips]] = True
-                yield chosen
+                yield chosen, OF_ARC
