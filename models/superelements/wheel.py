@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.coincident import COINCIDENT, places_of
+from bladewhirl.meshes.coincident import COINCIDENT, near_pairs
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.errors import Fault
@@ -431,8 +431,8 @@ def _wheel(part: Superelement, spread: FloatArray, squares: FloatArray) -> Super
 def _outside(triangles: IntArray, points: FloatArray) -> IntArray:
     """Return the triangles (triangle, 3) of a sector that do not lie on a face of which the next or
     the previous sector has all points, for the points of all sectors (sector, point, 3) [m]."""
-    flat = points.reshape(-1, 3)
-    place = places_of(flat, COINCIDENT * float(np.ptp(flat))).reshape(len(points), -1)
-    faces = [np.isin(place[0], place[neighbour]) for neighbour in (1, -1)]
-    inside = np.any([face[triangles].all(axis=1) for face in faces], axis=0)
+    distance, inside = COINCIDENT * float(np.ptp(points)), np.full(len(triangles), False)
+    for neighbour in points[1], points[-1]:
+        face = np.isin(np.arange(len(neighbour)), near_pairs(points[0], neighbour, distance)[:, 0])
+        inside |= face[triangles].all(axis=1)
     return np.asarray(triangles[~inside])

@@ -6,9 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
     from rich.table import Table
 
@@ -112,7 +111,8 @@ def rows_of(
         prefix: prefix of the names of the variables.
     """
     names = [f"{prefix}{column.variable or column.key}" for column in columns]
-    values = zip(*(np.asarray(data[name]).tolist() for name in names), strict=True)
+    arrays = (getattr(data[name], "values", data[name]) for name in names)
+    values = zip(*(each.tolist() for each in arrays), strict=True)
     keys = [column.key for column in columns]
     rows = (dict(zip(keys, row, strict=True)) for row in values)
     return [{key: v if v == v else None for key, v in row.items()} for row in rows]
