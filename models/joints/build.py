@@ -75,9 +75,9 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
     forced = forced_rotor(stage, loads)
     loaded = tuple(dict.fromkeys(number for load in loads for number in load.points))
     points, by_force = _points(stage, loaded)
-    tips = _places(np.setdiff1d(np.arange(nodes), np.concatenate([pairs.left, pairs.right])))
-    points = np.vstack([points, rotor.contact[tips]])
-    by_force = np.vstack([by_force, rotor.compliance[0][tips]])
+    tips = np.setdiff1d(np.arange(nodes), np.concatenate([pairs.left, pairs.right]))
+    points = np.vstack([points, rotor.contact[_places(tips)]])
+    by_force = np.vstack([by_force, rotor.compliance[0][_places(tips)]])
     wheel = JointedWheel(
         names=tuple(each.name for each in case.joint),
         joint=joint,
@@ -93,6 +93,7 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
         static={order: rows @ _static(forced, order, nodes) for order in forced.forces},
         points=points,
         loaded=loaded,
+        tips=tuple(tips.tolist()),
         points_by_force=by_force.reshape(len(by_force), own, DIRECTIONS * nodes) @ rows.T,
     )
     return replace(wheel, gap=overclosures(stage, pairs))

@@ -84,6 +84,7 @@ class JointedWheel:
     """Radial, tangential and axial displacements of loaded points, and then of the tips of the
     first blade [kg^-1/2], (3 * points, modes)."""
     loaded: tuple[int, ...]  #: numbers of the loaded points in the file
+    tips: tuple[int, ...] = ()  #: numbers of the contact nodes of the tips
     points_by_force: FloatArray
     """Their displacements by forces on the joint nodes of each blade of a copy without their part
     in the modes [m/N], (3 * points, blades of a copy, 2 * values)."""
@@ -92,6 +93,11 @@ class JointedWheel:
     def values(self) -> int:
         """Number of normal and tangential displacements of the joints of a blade."""
         return DIRECTIONS * len(self.joint)
+
+    @property
+    def shown(self) -> tuple[int, ...]:
+        """Numbers of the points whose amplitudes are results: the loaded ones, or the tips."""
+        return self.loaded or self.tips
 
     @property
     def orders(self) -> list[int]:

@@ -69,7 +69,7 @@ def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str)
     size = np.linalg.norm(data["point_amplitude"].values, axis=-1)
     unit, scale = handy_unit(float(size.max(initial=0.0)), "m")
     for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
-        axes.plot(over, scale * values, style, label=f"point {number}")
+        axes.plot(over, scale * values, style, label=f"{data.attrs['points']} {number}")
     axes.set(ylabel=f"amplitude [{unit}]")
     if not data.sizes["point"]:
         return unit

@@ -6,7 +6,7 @@ from typing import Any, cast
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
@@ -75,12 +75,10 @@ def periodic(
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
     found: list[JointMotion] = []
-    failures, motion, reference = list[str](), None, 1.0
+    failures, motion, stage = list[str](), None, None
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
-        at_speed = with_values(case, {"march.speed": speed.given})
-        stage = cast(Matrices, build_stage(at_speed))  # only superelements have joints
-        reference = stage.reference_frequency
+        stage = stage_of(with_values(case, {"march.speed": speed.given}), stage)
         problem = contact_problem(stage, steps=False)
         wheel = checked(problem, jointed_wheel(stage))
         try:
@@ -93,9 +91,19 @@ def periodic(
             failures.append(f"periodic: no periodic motion was found at {speed}: {reason}")
         if progress is not None:
             progress(done, len(given))
-    if not found:
+    if not found or stage is None:
         raise UserError(*failures)
-    return dataset(case, found, reference).assign_attrs(failures="\n".join(failures))
+    data = dataset(case, found, stage.reference_frequency)
+    return data.assign_attrs(failures="\n".join(failures))
+
+
+def stage_of(case: Case, like: Matrices | None = None) -> Matrices:
+    """Return the stage of a case with joints; `like`: that of a case that differs only in speed,
+    joints and loads."""
+    if like is None:
+        return cast(Matrices, build_stage(case))  # only superelements have joints
+    speed = case.march.speed.rad_per_s(like.reference_frequency)
+    return cast(Matrices, like.with_case(case)).at(speed)
 
 
 def checked(problem: ContactProblem, wheel: JointedWheel) -> JointedWheel:
@@ -134,6 +142,21 @@ def beyond(problem: ContactProblem, motion: JointMotion) -> str:
     return ""
 
 
+def amplitudes_of(motion: JointMotion) -> ComplexArray:
+    """Return the complex amplitudes of the lowest engine order at `JointedWheel.shown` [m],
+    (points, 3)."""
+    wheel = motion.grid.wheel
+    order = next(each for each in wheel.orders if each)
+    return wheel.at_points(order, motion.of_order(order))[: len(wheel.shown)]
+
+
+def limits_of(wheel: JointedWheel) -> FloatArray:
+    """Return the amplitudes of the same points in the linear limits, (limits, points) [m]."""
+    order = next(each for each in wheel.orders if each)
+    moved = [wheel.limit(order, held)[: len(wheel.shown)] for held in LIMITS.values()]
+    return np.asarray(np.linalg.norm(moved, axis=-1))
+
+
 def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.Dataset:
     """Return the Dataset of motions at speeds, for a reference frequency [rad/s]."""
     wheel = motions[0].grid.wheel
@@ -155,17 +178,8 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
         "work": of_joints(lambda m: m.work, np.sum),
     }
     order = next(each for each in wheel.orders if each)
-    points = len(wheel.loaded)
-    amplitude = [
-        np.abs(each.grid.wheel.at_points(order, each.of_order(order)))[:points] for each in motions
-    ]
-    limits = [
-        [
-            np.linalg.norm(each.grid.wheel.limit(order, held)[:points], axis=-1)
-            for held in LIMITS.values()
-        ]
-        for each in motions
-    ]
+    amplitude = [np.abs(amplitudes_of(each)) for each in motions]
+    limits = [limits_of(each.grid.wheel) for each in motions]
     largest = np.array([abs(multipliers(each)[0]) for each in motions])
     over, nodes = "speed", ("speed", "instant", "joint_node")
     return xr.Dataset(
@@ -209,7 +223,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
             "instant": np.arange(count) / count,
             "joint": list(wheel.names),
             "name": ("joint_node", [wheel.names[n] for n in wheel.joint]),
-            "point": list(wheel.loaded),
+            "point": list(wheel.shown),
             "direction": ["radial", "tangential", "axial"],
             "limit": list(LIMITS),
         },
@@ -217,6 +231,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
             "title": "periodic motion of a wheel with joints",
             "case": case.title,
             "engine_order": order,
+            "points": "point" if wheel.loaded else "tip node",
             "blades": wheel.blades,
             "reference_frequency_hz": reference / (2.0 * np.pi),
         },
