@@ -27,7 +27,7 @@ import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.case.casing import Casing
-from bladewhirl.models.stage.coating import axial_tracks
+from bladewhirl.models.stage.coating import axial_tracks, track_edges
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
@@ -273,7 +273,7 @@ class EnlargedStage(EnlargedWall):
         )
         ends = np.array([first, last])
         if len(axial) > 1:
-            ends = np.concatenate([axial[:1], 0.5 * (axial[1:] + axial[:-1]), axial[-1:]])
+            ends = track_edges(axial)
         strips = list(zip(range(len(axial)), ends[:-1].tolist(), ends[1:].tolist(), strict=True))
         beside = [(-1, first, float(ends[0])), (-1, float(ends[-1]), last)]
         return [*strips, *(each for each in beside if each[1] < each[2])]

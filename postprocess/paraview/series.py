@@ -28,6 +28,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     frame_records,
     history,
     sampling_hint,
+    turn,
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import UP, StageParts
@@ -36,7 +37,7 @@ from bladewhirl.postprocess.paraview.shaft_line import (
     LineGrids,
     exaggeration_of,
 )
-from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, middle_of, opening
+from bladewhirl.postprocess.pictures.bodies import ARC, TOWARDS, axes_of_view, middle_of, opening
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.colouring import is_normalised, scale_end
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
@@ -269,7 +270,12 @@ def _about(
     of the parts and where the wall is cut open."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
     moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
-    shown = int(np.argmax(force if force.any() else moved))
+    size = force if force.any() else moved
+    if blade_count(dataset) == 1 and not rotating:  # not below the part of the wall that is whole
+        ahead = opening(unit(np.array(TOWARDS["oblique"])))[1]
+        seen = np.cos(dataset["tip_angle"].values.mean() + turn(dataset, records) - ahead)
+        size = np.where(size >= 0.5 * size.max(), 2.0 + seen, 0.0)
+    shown = int(np.argmax(size))
     solid = surface or not parts.body.flat
     return {
         "title": str(dataset.attrs["title"]),

@@ -98,7 +98,8 @@ class Body:
         if points.flat and view not in (None, "axial"):
             raise ViewError(f'view = "{view}": beams lie in a plane; expected "axial"')
         target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
-        self._mark = int(np.argmin(np.linalg.norm(stage.rest - target, axis=1)))
+        away = np.linalg.norm(stage.rest - target, axis=1)
+        self._mark = int(np.argmin(np.where(points.blade == 0, away, away + 2 * stage.tip_radius)))
         self._groups: list[Group] = []
         self._axes, self._focus = np.eye(3), np.zeros(3)
         self._symbols: StageSymbols | None = None

@@ -19,6 +19,7 @@ from bladewhirl.postprocess.fields.by_blade import (
     of_blades,
 )
 from bladewhirl.postprocess.fields.kinematics import table_of_result
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import span_starts
 from bladewhirl.postprocess.pictures.flat import MOST_NUMBERS, draw_flat, flat_stage
 from bladewhirl.postprocess.plotting.style import COLOURS, INCH, styled, time_axis
@@ -64,9 +65,12 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
     seen = whole_run(unrolled(result))
     names = ["rotor_backward_frequency", "rotor_forward_frequency"]
     names = names if names[0] in result else ["rotor_frequency"]
-    frequency = np.abs(np.concatenate([result[name].values for name in names]))
+    # The coordinates of a shaft line are modes without its bearings.
+    names = names * (not has(result, "line"))
+    frequency = np.abs(np.concatenate([np.zeros(0), *(result[name].values for name in names)]))
     ascending = np.argsort(frequency, kind="stable")
-    shares = np.tile(diameter_shares(result), (len(names), 1))
+    own = diameter_shares(result)
+    shares = np.concatenate([own[:0], *[own] * len(names)])
     regime = classify(result, energies["total"].values)
     return (
         xr.merge([stage, split, seen], combine_attrs="drop")
@@ -236,6 +240,10 @@ def _draw_campbell(axes: Axes, data: xr.Dataset) -> None:
     """Draw the natural frequencies in rotating axes over the speed, with lines of engine orders and
     the speed of the run. Frequencies that depend on the speed are drawn at this speed only."""
     turns, top = _reach(data)
+    if not data.sizes["mode"]:
+        axes.set_axis_off()
+        axes.set_title("frequencies of a shaft line on its bearings:\nbladewhirl campbell")
+        return
     last = ABOVE * 60.0 * turns or 1.0
     fixed = data.attrs["effects"] == "none"
     span = (0.0, last) if fixed else (0.93 * 60.0 * turns, 1.07 * 60.0 * turns)

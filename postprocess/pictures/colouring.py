@@ -27,7 +27,7 @@ from bladewhirl.postprocess.fields.strains import casing_strain_rows
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.pictures.solids import Solid
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS, JOINT_STATES
-from bladewhirl.postprocess.run.wear import coating_of
+from bladewhirl.postprocess.run.wear import coating_left, coating_of
 
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
@@ -72,11 +72,10 @@ class Colouring:
 
     @property
     def scales(self) -> dict[str, Scale]:
-        """Scales of a field that have values, by their labels; without one whose values are zero
-        everywhere beside another."""
+        """Scales of a field that have values, by their labels; without those whose values are zero
+        everywhere."""
         values = {"rotor": (self.points, self.nodes), "wall": (self.casing,)}
-        known = [name for name, given in values.items() if any(np.isfinite(v).any() for v in given)]
-        shown = [name for name in known if _largest(*values[name])] or known
+        shown = [name for name, given in values.items() if _largest(*given)]
         scales = {"rotor": self.disk, "wall": self.wall}
         return {f"{name} [{scales[name].unit}]": scales[name] for name in shown}
 
@@ -114,7 +113,7 @@ def colouring(
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
     none = np.full((len(records), len(points.rest), 1), np.nan)
     nodes = np.full((len(records), dataset.sizes["contact_node"]), np.nan)
-    coated = dataset.attrs.get("coating_thickness")
+    coated = has(dataset, "coating")
     found = Recovered(field.replace("-", " "), "m", signed=False)
     if field == "part":
         return _parts(dataset, points, records, per_element)
@@ -125,8 +124,11 @@ def colouring(
         found = found._replace(unit="m/s" if field == "velocity" else "m")
         values = _magnitudes(dataset, points, field, records, rotating)[..., None]
     elif field == "gap":
-        found = found._replace(name="gap to metal" if coated else "gap at the tip")
-        nodes = masked(dataset.isel(time=records), history(dataset, "gap", records))
+        found = found._replace(name="gap to the coating" if coated else "gap at the tip")
+        gap = history(dataset, "gap", records)
+        if coated:
+            gap = gap - coating_left(dataset, records)
+        nodes = masked(dataset.isel(time=records), gap)
         values = none
     elif field == "wear":
         found, values = found._replace(name="removed depth"), none
@@ -159,8 +161,9 @@ def colouring(
         limits = (-end if found.signed else 0.0, end)
         return Scale(unit, factor, limits, COLOUR_MAPS[colours])
 
+    name = f"{found.name} / largest one" if normalised else found.name
     return Colouring(
-        name=f"{found.name} / largest one" if normalised else found.name,
+        name=name if parts is not None or max(largest) else f"{name}:\nzero everywhere",
         points=values,
         nodes=nodes,
         casing=casing,

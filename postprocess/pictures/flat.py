@@ -81,13 +81,18 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
     if drawing.largest_force:
         notes.append(f"longest arrow: {handy(drawing.largest_force, 'N', 3)} with friction")
     scales = field.scales
+    if not scales:
+        notes.append(field.name.replace("\n", " "))
     return xr.Dataset(
         {
             "outline": (("polygon", "corner", "axis"), np.concatenate(outlines)[order]),
             "value": ("polygon", np.concatenate(values)[order]),
             "shade": (("polygon", "rgb"), np.concatenate(shades)[order]),
-            "limits": (("scale", "end"), [one.limits for one in scales.values()]),
-            "colours": (("scale", "level"), [one.shades(LEVELS) for one in scales.values()]),
+            "limits": (("scale", "end"), np.reshape([s.limits for s in scales.values()], (-1, 2))),
+            "colours": (
+                ("scale", "level"),
+                np.reshape([one.shades(LEVELS) for one in scales.values()], (len(scales), -1)),
+            ),
             "arrow": (
                 ("contact_node", "arrow_corner", "axis"),
                 arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * reach),

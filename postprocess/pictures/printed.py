@@ -61,7 +61,8 @@ def printed(dataset: xr.Dataset, drawing: Drawing, width: float) -> Figure:
     contact = look.contact_text(picture.blade_forces).replace("\n", ", ", 1)
     size = look.enlargement(drawing.exaggeration, normalised=drawing.normalised)
     time = look.time_text(picture.time, drawing.record_step)
-    words = [time, f"{drawing.frame} frame", size, *drawing.dots, contact]
+    none = [field.name] * (field.parts is None and not field.scales)
+    words = [time, f"{drawing.frame} frame", size, *none, *drawing.dots, contact]
     words = [each.replace("\n", " ") for each in words] + [f"bar: {bar}".replace("\n", ", ")]
     head(figure, dataset.assign_attrs(case_title=dataset.attrs["title"]), *words)
     parts = (field.parts or {}).items()

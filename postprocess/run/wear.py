@@ -14,7 +14,14 @@ from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.models.stage.coating import axial_tracks, spacing
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
+from bladewhirl.postprocess.fields.kinematics import (
+    Array,
+    IntArray,
+    ViewError,
+    table_of_result,
+    track_strains,
+    turn,
+)
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.axes import draw_map
@@ -39,6 +46,19 @@ def coating_of(dataset: xr.Dataset) -> Coating:
     if coating is None:
         raise ViewError("this run has no casing.coating, so nothing can be worn")
     return coating
+
+
+def coating_left(dataset: xr.Dataset, records: IntArray) -> Array:
+    """Return the thickness of the coating above the metal that each contact node faces at records,
+    (record, contact_node) [m]; the metal is where the march has it, at the share `limit`."""
+    coating = coating_of(dataset)
+    angle = dataset["tip_angle"].values + turn(dataset, records)[:, None]
+    track = axial_tracks(dataset["axial_position"].values, dataset["contact_radius"].values)[1]
+    strain = [
+        track_strains(dataset, records[[n]], at)[0, track, np.arange(len(track))]
+        for n, at in enumerate(angle)
+    ]
+    return np.asarray(coating.thickness * np.maximum(coating.limit - np.array(strain), 0.0))
 
 
 def wear(result: xr.Dataset) -> xr.Dataset:

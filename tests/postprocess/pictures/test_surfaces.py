@@ -148,12 +148,6 @@ def test_from_the_side_no_wall_is_in_front_of_the_tip_of_a_blade(single: xr.Data
     assert picture.solids[1].points[:, 2].max() < tips[:, 2].min() + 1e-3 * RADIUS
 
 
-def test_the_gap_below_a_coating_is_named_after_the_metal(single: xr.Dataset) -> None:
-    coated = single.assign_attrs(coating_thickness=1e-3)
-    names = [Drawing(each, RECORDS, colour="gap").colouring.name for each in (single, coated)]
-    assert names == ["gap at the tip", "gap to metal"]
-
-
 def test_without_a_coating_there_is_no_wear(single: xr.Dataset) -> None:
     with pytest.raises(ViewError, match="so nothing can be worn"):
         Drawing(single, RECORDS, colour="wear")
@@ -192,6 +186,19 @@ time_constant = 2e-3
         coating_strain=(("wear_time", "track", "rod"), strain[None]),
         axial_position=("contact_node", np.resize([-0.01, 0.01], nodes)),
     )
+
+
+def test_the_gap_of_a_coated_wall_is_that_to_the_coating(single: xr.Dataset) -> None:
+    result = worn(single)
+    coated, plain = (Drawing(each, RECORDS, colour="gap").colouring for each in (result, single))
+    assert [each.name for each in (coated, plain)] == ["gap to the coating", "gap at the tip"]
+    angle = (
+        single["tip_angle"].values + single.attrs["speed"] * single["time"].values[RECORDS, None]
+    )
+    share = np.where(angle % (2 * np.pi) < np.pi, np.resize(WORN, len(angle.T)), 0.0)
+    left = THICKNESS * (LIMIT - share)
+    np.testing.assert_allclose(plain.nodes - coated.nodes, left, rtol=1e-9)
+    assert 0.0 < share.mean() < max(WORN)
 
 
 def test_each_track_of_a_coating_is_as_thick_as_the_layer_less_its_own_wear(
