@@ -21,6 +21,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.shaft_line.axial import held_along, rods
 from bladewhirl.models.shaft_line.line import LineModel
+from bladewhirl.models.shaft_line.wheel import WheelOnLine
 from bladewhirl.models.superelements.hub import (
     check_hub,
     hub_freed,
@@ -42,9 +43,11 @@ FREE = {"two": (X, Y), "four": (X, Y, ABOUT_X, ABOUT_Y), "six": tuple(range(HUB)
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LineRotor(Superelement):
-    """A shaft line with its wheels in rotating axes, without bearings. Its contact nodes and points
-    are those of the first wheel; its centre is the hub of this wheel."""
+    """A shaft line with its wheels in rotating axes, without bearings. Its contact nodes are those
+    of the first wheel, then those of further wheels with a wall, whose positions are in the axes of
+    the first; its points and its centre are those of the first wheel."""
 
+    wheel_nodes: tuple[int, ...]  #: number of contact nodes of each wheel that has a wall
     line_rows: sp.csr_array  #: the six displacements of each node of the shaft, (6 * nodes, n)
     weight_rows: FloatArray
     """Mass matrix times uniform displacements along x and along y [kg], (2, n)."""
@@ -169,24 +172,38 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
             relative = basis[own] - sp.csr_array(motions[own]) @ of_hub
             damped.append(Damped(hub_freed(wheel), sp.csr_array(relative), table.damping_ratio))
     first, basis = wheels[0], bases[0]
-    place_of = np.append(np.arange(first.size), FIXED)
-    place_of[inner_dofs(first)] = np.arange(inner[0])
-    hub_node = HUB * line.wheels[0].node
+    hub_node, positions, dofs = HUB * line.wheels[0].node, list[FloatArray](), list[IntArray]()
+    for start, wheel, table, place in zip(starts, wheels, tables, line.wheels, strict=False):
+        if wheel is not first and getattr(table, "casing", None) is None:
+            continue
+        number_of = np.append(np.arange(wheel.size), FIXED)
+        number_of[inner_dofs(wheel)] = start + np.arange(wheel.size - HUB)
+        dofs.append(number_of[wheel.contact_dofs])
+        ahead = _start(line, place, wheel) - _start(line, line.wheels[0], first)
+        positions.append(wheel.contact_position + np.array([0.0, 0.0, ahead]))
     rotor = LineRotor(
         **{each.name: getattr(first, each.name) for each in fields(Superelement)}
         | {name: form for name, form in forms.items()}
         | loads
         | first.projected(basis, Superelement.ROWS)
         | {
-            "contact_dofs": place_of[first.contact_dofs],
+            "contact_position": np.concatenate(positions),
+            "contact_dofs": np.concatenate(dofs),
             "centre_dofs": number[[hub_node + X, hub_node + Y]],
             "hub_dofs": None,
             "hub_position": None,
         },
         line_rows=on_shaft,
         weight_rows=weight,
+        wheel_nodes=tuple(map(len, dofs)),
     )
     return OnLine(rotor, tuple(damped), _forces(line, number, size), rigid)
+
+
+def _start(line: LineModel, place: WheelOnLine, wheel: Superelement) -> float:
+    """Return the position along the line at which the file of a wheel begins to count z [m]."""
+    assert wheel.hub_position is not None
+    return float(line.position[place.node] - wheel.hub_position[2])
 
 
 def linearised(rotor: LineRotor, omega: float) -> LineRotor:

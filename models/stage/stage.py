@@ -14,7 +14,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.excitation import EngineOrder, Harmonic
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
@@ -144,6 +144,10 @@ class Stage(Ring, ABC):
         rotor, casing = self.rotor.take(kept.rotor), self.reduced_casing.take(kept.casing)
         return in_cone(rotor, casing, self.slope)
 
+    def clearance_key(self, node: int) -> str:
+        """Return the key of the clearance of a contact node of a copy."""
+        return "casing.clearance"
+
     @property
     def slope(self) -> float | FloatArray:
         """Slope of the wall [rad]; under a contour that at each contact node, (nodes,)."""
@@ -201,6 +205,11 @@ class Stage(Ring, ABC):
         """
         rotor = self.rotor
         return rotor.at_tips(rotor.tip_radial, (along @ rotor.centre) / rotor.stiffness)
+
+    def pushed(self, load: Harmonic) -> FloatArray:
+        """Return the modal forces of unit forces along x and y of rotating axes where a harmonic
+        force acts [kg^-1/2], (2, modes)."""
+        return self.rotor.centre
 
     @abstractmethod
     def unit_forces(self, load: EngineOrder) -> FloatArray:

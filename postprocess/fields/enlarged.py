@@ -210,7 +210,7 @@ class EnlargedStage(EnlargedWall):
         """Return distances at all points (point,) that grow along the radius of each blade from
         zero to `whole` (blade,), so that the blade is shortened evenly."""
         radius, along = np.hypot(*self.body.rest[:, :2].T), np.zeros(len(self.body.rest))
-        for blade in np.flatnonzero(whole):
+        for blade in np.intersect1d(np.flatnonzero(whole), self.body.blade):
             own = self.body.blade == blade
             root, tip = radius[own].min(), radius[own].max()
             along[own] = whole[blade] * (radius[own] - root) / (tip - root)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
+from bladewhirl.postprocess.fields.by_blade import of_first_wheel
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
@@ -66,6 +67,7 @@ class StageParts:
         rotating: bool,
         exaggeration: float | None = None,
     ) -> None:
+        dataset = of_first_wheel(dataset)
         self._dataset, self._rotating = dataset, rotating
         self._pieces = BEAM_PIECES if surface else 1
         self._per_element = -(-ARC_POINTS // dataset.sizes["casing_node"])

@@ -15,8 +15,10 @@ from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import (
     aliased,
     blade_angles,
+    blade_count,
     diameter_shares,
     of_blades,
+    of_first_wheel,
 )
 from bladewhirl.postprocess.fields.kinematics import table_of_result
 from bladewhirl.postprocess.fields.netcdf import has
@@ -87,6 +89,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             regime=regime_title(regime.name, judged=regime.growth is not None),
             effects=table_of_result(result, "rotation", Rotation).effects,
             averaged_over=peak["averaged_over"],
+            blades=blade_count(of_first_wheel(result)),
             shown_time=float(result["time"][record]),
         )
     )
@@ -162,7 +165,7 @@ def nearest_order(data: xr.Dataset) -> tuple[int, float, float] | None:
     if not turns or not shown.any():
         return None
     frequency, orders = frequency[shown], np.arange(1, max(2, int(top / turns) + 1))
-    excited = data["diameter_share"].values[shown][:, aliased(orders, data.sizes["blade"])].T
+    excited = data["diameter_share"].values[shown][:, aliased(orders, data.attrs["blades"])].T
     apart = np.where(excited > EXCITED, np.abs(orders[:, None] * turns / frequency - 1.0), np.inf)
     order, mode = np.unravel_index(apart.argmin(), apart.shape)
     if np.isinf(apart[order, mode]):

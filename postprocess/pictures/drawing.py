@@ -18,6 +18,7 @@ from bladewhirl.postprocess.fields.by_blade import (
     blade_count,
     blade_length,
     of_blades,
+    of_first_wheel,
 )
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
@@ -106,6 +107,7 @@ class Drawing:
     ) -> None:
         if frame not in (None, "static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
+        dataset = of_first_wheel(dataset)
         several = blade_count(dataset) > 1
         self.frame: Frame = frame or ("static" if several else "rotating")
         rotating = self.frame == "rotating"

@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from bladewhirl.postprocess.fields.by_blade import blade_starts
+from bladewhirl.postprocess.fields.by_blade import blade_starts, of_first_wheel
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
@@ -34,7 +34,7 @@ def print_still(
         ViewError: the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
-    target = checked_target(path, ".png")
+    target, dataset = checked_target(path, ".png"), of_first_wheel(dataset)
     drawing = Drawing(dataset, np.array([record]), **view)
     (path,) = save_figure(printed(dataset, drawing, width), target)
     return path

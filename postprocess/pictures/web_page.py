@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.fields.by_blade import of_first_wheel
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
@@ -59,6 +60,7 @@ def film_page(
     dataset: xr.Dataset, records: IntArray, *, progress: Progress | None = None, **view: Any
 ) -> str:
     """Return the text of the page, see `render_page`."""
+    dataset = of_first_wheel(dataset)
     drawing = Drawing(dataset, records, **view)
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN

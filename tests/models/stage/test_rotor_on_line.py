@@ -20,6 +20,7 @@ from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.rotor_on_line import RotorOnLine
 from bladewhirl.models.superelements.file import write_superelement
@@ -427,8 +428,16 @@ def test_supports_move_beside_a_flexible_casing(folder: Path) -> None:
         contact={"sliding": "full"},
         reduction={"free_interface_modes": 40},
         gravity={},
+        excitation=[
+            {"type": "harmonic", "force": 50.0},
+            {"type": "casing-distortion", "modal_force": 100.0, "nodal_diameter": 2},
+        ],
     )
     stage = stage_of(case)
+    pushed, *_, struck = (load for load in excitation_loads(stage))
+    assert struck.casing[: stage.casing_modes.count].any()
+    assert not struck.casing[stage.casing_modes.count :].any()
+    np.testing.assert_allclose(pushed.rotor, 25.0 * stage.rotor.centre[0], rtol=1e-9, atol=1e-9)
     chunk = marched(stage, 1e-6, 5e-3, 2)
     assert ledger_residual(chunk) < 1e-9
     assert chunk.casing_displacement.shape[1] == stage.casing_modes.count
@@ -442,3 +451,62 @@ def test_supports_move_beside_a_flexible_casing(folder: Path) -> None:
     own = 4.0 * curve + 1e3 * rate + 5e7 * place[1:-1] + force[1:-1]
     own[:, 1] += 4.0 * GRAVITY
     assert np.abs(own).max() < 5e-4 * np.abs(force).max()
+
+
+def two_wheels(
+    folder: Path, first: float, walls: dict[float, dict[str, Any]], **changed: Any
+) -> Case:
+    """A line with a fan in one piece at 0.6 m and one of sectors at 0.3 m, one of which is that of
+    [bladed_disk]; walls by positions."""
+    files = {0.6: "wheel", 0.3: "sector"}
+    (other,) = files.keys() - {first}
+    own = {"file": str(folder / f"{files[other]}.npz"), "copies": SECTORS}
+    further = {"position": other, "superelement": own, "casing": walls[other]}
+    line = {"wheel": {"position": first}, "wheels": [further], "unbalance": []}
+    tables: dict[str, Any] = {
+        "casing": {"type": "rigid", **walls[first]},
+        "contact": {"friction": 0.1, "sliding": "full"},
+        "reduction": {"free_interface_modes": 60},
+        "gravity": {"start": "unbent", "acceleration": [2000.0, -9000.0]},
+    }
+    march = {"speed": "600 rad/s", "time_step": 1e-6, "duration": 3e-3}
+    return fan_case(folder, march, files[first], shaft_line=line, **tables | changed)
+
+
+WALLS: dict[float, dict[str, Any]] = {
+    0.6: {"clearance": 1e-4, "slope": 0.2},
+    0.3: {"clearance": 5e-5, "radius": 0.1601},
+}
+
+
+def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(folder: Path) -> None:
+    found = dict[float, list[FloatArray]]()
+    for first in (0.6, 0.3):
+        stage = stage_of(two_wheels(folder, first, WALLS))
+        chunk = marched(stage, 1e-6, 3e-3)
+        assert ledger_residual(chunk) < 1e-9
+        own, other = np.split(chunk.contact_force, [stage.part.wheel_nodes[0]], axis=1)
+        found[first] = [own, other][:: 1 if first == 0.6 else -1]
+        assert len(stage.blade_angle[0]) == 2 * SECTORS
+        at = [np.ptp(each) for each in np.split(stage.axial_position, [stage.part.wheel_nodes[0]])]
+        assert abs(np.ptp(stage.axial_position) - 0.3) < at[0] + 1e-9
+    for one, swapped in zip(*found.values(), strict=True):
+        assert one.any()
+        np.testing.assert_allclose(one, swapped, rtol=0, atol=1e-5 * np.abs(one).max())
+
+
+def test_walls_of_further_wheels_are_those_of_a_rigid_round_casing(folder: Path) -> None:
+    with pytest.raises(CaseError, match=r'casing.type = "ring": expected "rigid" with shaft_line'):
+        two_wheels(folder, 0.6, WALLS, casing={"type": "ring", "clearance": 1e-4})
+    lobes = {
+        "type": "rigid",
+        "clearance": 1e-4,
+        "clearance_lobes": [{"lobes": 2, "amplitude": 1e-5}],
+    }
+    with pytest.raises(CaseError, match=r"casing.clearance_lobes.*: not allowed with"):
+        two_wheels(folder, 0.6, WALLS, casing=lobes)
+    inside = WALLS | {0.3: {"clearance": 0.0, "radius": 0.15}}
+    with pytest.raises(
+        CaseError, match=r"shaft_line.wheels\[0\].casing.clearance = .*wall at t = 0"
+    ):
+        contact_problem(stage_of(two_wheels(folder, 0.6, inside)))
