@@ -31,6 +31,10 @@ from bladewhirl.models.shaft_line.line import LineModel, real_form
 DEPENDENT = 1e-9
 """A shape is left out if the part of it that others do not contain is a smaller fraction of it."""
 
+LEVELS = 6
+"""Modes at rest in which those at speed are computed, as a multiple of the modes of a plane; those
+of a line of many nodes hardly contain higher ones."""
+
 LOW = 1e-2
 """Static shapes of an unheld line are those on an elastic support of its masses that gives this
 fraction of the reference frequency."""
@@ -83,7 +87,8 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
     )
     basis = np.eye(size)
     if modes < size:
-        basis = _independent(_candidates(line, mass, polar, stiffness, speed), mass, modes)
+        shapes = _candidates(line, mass, polar, stiffness, speed, LEVELS * modes)
+        basis = _independent(shapes, mass, modes)
     angle = speed * time_step
     cosine, sine, chord = float(np.cos(angle)), _sinc(angle), _sinc(angle / 2.0) ** 2
     mass, twice, softer = (
@@ -126,20 +131,25 @@ def _sinc(angle: float) -> float:
 
 
 def _candidates(
-    line: LineModel, mass: FloatArray, polar: FloatArray, stiffness: FloatArray, speed: float
+    line: LineModel,
+    mass: FloatArray,
+    polar: FloatArray,
+    stiffness: FloatArray,
+    speed: float,
+    most: int,
 ) -> FloatArray:
-    """Return shapes in order of their importance, (n, shapes)."""
-    size = len(mass)
-    squares, free = la.eigh(stiffness, mass)
+    """Return shapes in order of their importance, (n, shapes), from at most some modes at rest."""
+    size, levels = len(mass), min(most, len(mass))
+    squares, free = la.eigh(stiffness, mass, subset_by_index=[0, levels - 1])
     soft = stiffness + (LOW * line.reference_frequency) ** 2 * mass
     held = la.solve(soft, line.bearing_rows[:, :size].T, assume_a="pos")
     frequency = np.sqrt(np.maximum(squares, 0.0))
     turning = speed * free.T @ polar @ free
-    none, one = np.zeros_like(turning), np.eye(size)
+    none, one = np.zeros_like(turning), np.eye(levels)
     # w (A + w) f = K f for whirl at the frequency w, with the sign of its direction.
     values, vectors = la.eig(np.block([[none, one], [np.diag(frequency**2), turning]]))
     order = np.argsort(np.abs(values))
-    whirl = free @ vectors[:size, order].real
+    whirl = free @ vectors[:levels, order].real
     by_level = np.stack([free, whirl[:, 0::2], whirl[:, 1::2]], axis=2)
     return np.hstack([held, by_level.reshape(size, -1)])
 
