@@ -21,7 +21,13 @@ from bladewhirl.solvers.periodic.corotating import CorotatingContact, Equations
 
 NUDGE = 1e-4  #: change of the parameter for derivatives at a corner, relative to the longest step
 CLOSE = 1e-9  #: error of the parameter of a corner, relative to the longest step
-ZERO = 1e-3  #: largest force or gap at a corner, relative to that before and behind it
+ZERO, TOGETHER = 1e-3, 1e-6
+"""Largest force or gap at a corner, relative to that before and behind it, and that of further tips
+that meet in it."""
+BEND, NEAR, SHORT = 0.2, 1e-6, 1e-2
+"""Largest deviation of forces and gaps from the tangent in a step and smallest value within it,
+relative to the largest of them; longest step without these limits, relative to the longest of
+all."""
 NONE, FOLD, HOPF = 0, 1 + KINDS.index("fold"), 1 + KINDS.index("Neimark-Sacker")
 """Numbers of bifurcations; at the last one an oscillation of deviations begins to grow."""
 
@@ -35,6 +41,8 @@ class Point:
     parameter: float
     chosen: BoolArray  #: tips in contact ahead
     way: float  #: 1 if the parameter grows ahead, otherwise -1
+    slope: FloatArray
+    """Change of the forces of these tips, and of the gaps of the others, by the parameter."""
     kind: int = NONE
     steps: int = 0  #: of a correction; there is none
 
@@ -70,8 +78,9 @@ class ContactBranch:
             NotConverged: the branch was lost.
         """
         way = float(np.sign(self.stop - self.start))
-        chosen = contact.normal > 0.0
-        point = Point(self.at(self.start), contact, self.start, chosen, way)
+        chosen, nudge = contact.normal > 0.0, way * NUDGE * self.longest
+        slope = self._slope(self.start, self.start + nudge, chosen)
+        point = Point(self.at(self.start), contact, self.start, chosen, way, slope)
         yield point
         for ahead, _ in follow(point, self._ahead, self.longest, self.longest):
             before, point = point, ahead
@@ -101,35 +110,50 @@ class ContactBranch:
         normal = self._forces(parameter, chosen)
         return np.where(chosen, normal, self.at(parameter).tips.gap(normal))
 
+    def _slope(self, place: float, other: float, chosen: BoolArray) -> FloatArray:
+        """Return the mean change of `_room` by the parameter between two places, (tips,)."""
+        return (self._room(other, chosen) - self._room(place, chosen)) / (other - place)
+
+    def _bends(self, point: Point, first: FloatArray, last: FloatArray, step: float) -> bool:
+        """Return whether forces and gaps change so unevenly in a step from a point that tips may
+        join and leave the contact within it: a parabola with the slope at the point is negative
+        between them, or they differ much from the tangent."""
+        along = point.slope * step
+        bend = last - first - along
+        share = np.divide(-0.5 * along, bend, out=np.zeros_like(bend), where=bend > 0.0)
+        inside = (share > 0.0) & (share < 1.0)
+        lowest = np.where(inside, first + (along + bend * share) * share, 0.0)
+        for kind in (point.chosen, ~point.chosen):
+            size = max(np.abs(first[kind]).max(initial=0.0), np.abs(last[kind]).max(initial=0.0))
+            if (lowest[kind] < -NEAR * size).any() or (np.abs(bend[kind]) > BEND * size).any():
+                return True
+        return False
+
     def _ahead(self, point: Point, length: float) -> Point | None:
         """Return the next point, which is a corner if there is one on the way."""
         low, high = sorted((self.start, self.stop))
         place = min(max(point.parameter + point.way * length, low), high)
         if place == point.parameter:
             place = point.parameter + point.way * CLOSE * self.longest
-        chosen = point.chosen
-        room = self._room(place, chosen)
+        chosen, step = point.chosen, place - point.parameter
+        first, room = (self._room(each, chosen) for each in (point.parameter, place))
+        if abs(step) > SHORT * self.longest and self._bends(point, first, room, step):
+            return None
         if (room >= 0.0).all():
-            return self._point(place, chosen, chosen, point.way, NONE)
-        lacks = room < 0.0
+            return self._point(place, chosen, chosen, point.way, (room - first) / step)
+        scale = np.maximum(np.abs(first), np.abs(room))
 
         def least(parameter: float) -> float:
-            own = self._room(parameter, chosen)[lacks] / -room[lacks]
-            return float(own.min())
+            return float((self._room(parameter, chosen) / scale).min())
 
-        near = point.parameter + point.way * NUDGE * self.longest
+        near = point.parameter + point.way * NUDGE * self.longest  # the point can be a corner
         if (place - near) * point.way <= 0.0 or least(near) <= 0.0:
-            near = point.parameter
-        if least(near) <= 0.0:  # several tips meet in a corner
-            return self._corner(point, near, lacks)
+            return None if length > NUDGE * self.longest else self._corner(point, place, room < 0.0)
         corner = float(so.brentq(least, near, place, xtol=CLOSE * self.longest))
-        size = self._room(corner, chosen)[lacks]
-        meet = np.zeros_like(lacks)
-        meet[lacks] = np.abs(size) <= ZERO * np.maximum(
-            np.abs(self._room(point.parameter, chosen)[lacks]), -room[lacks]
-        )
-        if not meet.any():
-            raise NotConverged(f"contact forces grow beyond bounds at {corner:.6g}")
+        size = np.abs(self._room(corner, chosen)) / scale
+        if size.min() > ZERO:  # a pole between the two points
+            return None
+        meet = size <= max(TOGETHER, float(size.min()))
         return self._corner(point, corner, meet)
 
     def _corner(self, point: Point, place: float, meet: BoolArray) -> Point:
@@ -143,27 +167,34 @@ class ContactBranch:
         nudge = -point.way * NUDGE * self.longest  # to where the branch comes from
         for changed in every:
             chosen = point.chosen ^ changed
-            slope = (self._room(place + nudge, chosen) - self._room(place, chosen)) / nudge
+            slope = self._slope(place, place + nudge, chosen)
             ways = np.sign(slope[meet])
             if ways[0] and (ways == ways[0]).all():
-                kind = NONE if ways[0] == point.way else FOLD
-                return self._point(place, point.chosen & chosen, chosen, float(ways[0]), kind)
+                touching, way = point.chosen & chosen, float(ways[0])
+                kind = NONE if way == point.way else FOLD
+                return self._point(place, touching, chosen, way, slope, kind)
         raise NotConverged(f"no tips in contact lead beyond {place:.6g}")
 
     def _point(
-        self, place: float, touching: BoolArray, ahead: BoolArray, way: float, kind: int
+        self,
+        place: float,
+        touching: BoolArray,
+        ahead: BoolArray,
+        way: float,
+        slope: FloatArray,
+        kind: int = NONE,
     ) -> Point:
         """Return the point at which tips touch."""
         equations = self.at(place)
         contact = equations.contact(np.maximum(0.0, self._forces(place, touching)))
-        return Point(equations, contact, place, ahead, way, kind)
+        return Point(equations, contact, place, ahead, way, slope, kind)
 
     def _instability(self, before: Point, after: Point) -> Iterator[Point]:
         """Yield where an oscillation begins or ends to grow between two points."""
         chosen = before.chosen
 
         def point(place: float) -> Point:
-            return self._point(place, chosen, chosen, before.way, HOPF)
+            return self._point(place, chosen, chosen, before.way, before.slope, HOPF)
 
         def growth(place: float) -> float:
             return float(point(place).contact.rates[0].real)
