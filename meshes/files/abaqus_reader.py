@@ -203,7 +203,10 @@ def _read_elements(card: Card, content: AbaqusMesh) -> None:
 
 
 def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
-    """Return the numbers in a line; nodes may have the name of an instance before them."""
+    """Return the numbers in a line, which may end with blank fields; nodes may have the name of an
+    instance before them."""
+    if "" in row[: max((at for at, value in enumerate(row, 1) if value), default=0)]:
+        raise MeshFileError(f"a number in every field, got {', '.join(row)}")
     try:
         return [whole(value) for value in row if value]
     except MeshFileError:

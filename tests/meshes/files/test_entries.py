@@ -277,6 +277,14 @@ def test_ranges_of_abaqus_reach_their_last_number(
         assert read_volume_mesh(path).groups["chosen"].tolist() == expected
 
 
+@pytest.mark.parametrize("keyword", ["*ELEMENT, TYPE=C3D20", "*ELEMENT, TYPE=MASS"])
+def test_blank_fields_of_an_element_of_abaqus_are_refused(tmp_path: Path, keyword: str) -> None:
+    """Left out, they would move the following nodes, and those of the next element, forward."""
+    nodes = ", ".join(map(str, range(1, 20)))
+    with pytest.raises(MeshFileError, match=r"a number in every field, got 900, , 1.*ELEMENT"):
+        read_volume_mesh(abaqus(tmp_path, f"{keyword}\n900, , {nodes}, 20, 21\n"))
+
+
 def test_messages_are_not_those_of_code(tmp_path: Path) -> None:
     for text in ("GRID,1\nCHEXA,1\n", "GRID,1,,0.\nSPC1\n", "SPCADD\nGRID,1\nSET1\n", "GRID,x\n"):
         (tmp_path / "a.bdf").write_text(f"BEGIN BULK\n{text}ENDDATA\n")
