@@ -55,7 +55,8 @@ def plot_joints(data: xr.Dataset) -> Figure:
     blade_axis(states, blades, of_y=True)
     states.set(xlabel="share of the period", ylabel="joint after blade")
     states.set_title(f"states at {float(data['rpm'][largest]):.6g} rpm")
-    _draw_amplitudes(curve, data.isel(speed=order), data["rpm"].values[order], ".-")
+    ordered, draw = data.isel(speed=order), _draw_amplitudes if has_points(data) else _draw_shares
+    draw(curve, ordered, data["rpm"].values[order], ".-")
     curve.set_xlabel("speed [rpm]")
     curve.locator_params(axis="x", nbins=5)
     set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
@@ -71,8 +72,6 @@ def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str)
     for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
         axes.plot(over, scale * values, style, label=f"{data.attrs['points']} {number}")
     axes.set(ylabel=f"amplitude [{unit}]")
-    if not data.sizes["point"]:
-        return unit
     limits = data["linear_limit"].isel(point=0)
     for name, dashes in zip(data["limit"].values.tolist(), ("-", "--", ":"), strict=True):
         values = scale * limits.sel(limit=name).values
@@ -84,25 +83,35 @@ def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str)
     return unit
 
 
+def _draw_shares(axes: Axes, data: xr.Dataset, over: FloatArray, style: str) -> None:
+    """Draw the shares of the period in which the joints are open and slip over a parameter."""
+    for name, label in (("share_open", "open"), ("share_slipping", "slipping")):
+        axes.plot(over, data[name].max("joint").values, style, label=label)
+    axes.set(ylabel="share of the period", ylim=(0.0, 1.0))
+
+
+def has_points(data: xr.Dataset) -> bool:
+    """Return whether the amplitudes of points are known."""
+    return bool(data.sizes["point"])
+
+
 @styled
 def plot_joint_branch(data: xr.Dataset) -> Figure:
     """Draw the amplitudes of points over a key, with the smallest one of the first point, the
     linear limits, and the shares of the period in which the joints are open and slip."""
     figure = new_figure(width=FULL_WIDTH, height=0.07)
-    curve, shares = side_by_side(figure, 2)
+    *curves, shares = side_by_side(figure, 1 + has_points(data))
     over = data["parameter"].values
-    unit = _draw_amplitudes(curve, data, over, "-")
-    if data.sizes["point"]:
+    for curve in curves:
+        unit = _draw_amplitudes(curve, data, over, "-")
         size = np.linalg.norm(data["point_amplitude"].isel(point=0).values, axis=-1)
         least, scale = int(size.argmin()), handy_unit(float(size.max()), "m")[1]
         label = f"smallest: {scale * size[least]:.4g} {unit} at {over[least]:.4g}"
         curve.plot(over[least], scale * size[least], "o", color=COLOURS["k = 1"], ms=4, label=label)
-    for name, label in (("share_open", "open"), ("share_slipping", "slipping")):
-        shares.plot(over, data[name].max("joint").values, label=label)
-    shares.set(ylabel="share of the period", ylim=(0.0, 1.0))
-    for axes in (curve, shares):
+    _draw_shares(shares, data, over, "-")
+    for axes in (*curves, shares):
         axes.set_xlabel(f"{data.attrs['key']} [{data.attrs['unit'] or '–'}]")
         axes.locator_params(axis="x", nbins=5)
     set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
-    legends_below(figure, *(Group(entries_of(axes)) for axes in (curve, shares)))
+    legends_below(figure, *(Group(entries_of(axes)) for axes in (*curves, shares)))
     return figure
