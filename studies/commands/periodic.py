@@ -44,7 +44,9 @@ def periodic(
 
     With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
     constant in rotating axes, also above critical speeds and with dampers in the static frame; its
-    forces, the radius of the shaft and its stability are computed.
+    forces, the radius of the shaft and its stability are computed. There can be several such states
+    at a speed, which are all listed. So is that of a wheel on a shaft line with equal bearings, an
+    unbalance and no weight.
 
     With [[joint]] the motion is that of a tuned wheel whose blades touch each other in friction
     joints, under engine orders and without a rub, from one blade or sector; the table lists

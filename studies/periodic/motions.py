@@ -86,11 +86,14 @@ def periodic(
 
     If the loads are constant in rotating axes, as those of an imbalance, and the wall is round,
     contact is constant in these axes too: on bladed disks of beams or superelements, in a rigid or
-    a uniform flexible casing. The Dataset then has `normal_force` [N] and `gap` [m] of each tip,
-    `centre` [m], `impulse_per_revolution`, `growth_rate` [1/s] of the fastest small deviation,
-    `multipliers`, the factors of deviations in a turn, and `stable`. Above critical speeds and with
-    dampers in the static frame there can be several such motions: a stable one is returned if the
-    search finds one.
+    a uniform flexible casing. The Dataset then has `normal_force` [N], `gap` [m] and
+    `tip_displacement` [m] of each tip, `centre` [m], `impulse_per_revolution`, `growth_rate` [1/s]
+    and `growth_frequency` [rad/s] of the fastest small deviation, `multipliers`, the factors of
+    deviations in a turn, and `stable`. Above critical speeds and with dampers in the static frame
+    there can be several such motions: all that the search finds follow one another along `speed`,
+    stable ones first, at last the one without contact. On a shaft line with equal bearings there
+    are also `shaft_displacement` [m, rad] of each node in rotating axes, `bearing_amplitude` [m]
+    and `bearing_force` [N].
 
     A case with [[joint]] has the motion of a tuned wheel under engine orders, which joints couple,
     without a rub. The Dataset then has over (speed, joint) `largest_normal_force` [N],
