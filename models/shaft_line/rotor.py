@@ -69,8 +69,8 @@ class OnLine(NamedTuple):
     rotor: LineRotor
     damped: tuple[Damped, ...]
     forces: FloatArray
-    """Forces of unit size by bearings, unbalances and at the hub of the first wheel on the
-    coordinates, (n, forces)."""
+    """Forces of unit size by bearings, unbalances and at the hubs of wheels that touch a wall on
+    the coordinates, (n, forces)."""
     rigid: FloatArray | None
     """Rigid motions of a rotor of equal blades: along x and y, and tilts towards x and y about the
     start of the shaft, the latter if all wheels tilt, (n, 2 or 4)."""
@@ -280,9 +280,11 @@ def _basis(wheel: Superelement, start: int, size: int, hub: Any) -> sp.csr_array
 
 def _forces(line: LineModel, number: IntArray, size: int) -> FloatArray:
     """Return unit forces and moments across the axis by bearings and unbalances where they act, and
-    on the hub of the first wheel, whose static displacement under contact forces is then exact."""
-    hub = line.table.every_wheel[0]
-    places = _across(line, hub.position, hub.unknowns != "two")
+    on the hubs of wheels that touch a wall, whose static displacements under contact forces are
+    then exact."""
+    places = dict[int, None]()
+    for hub in (line.table.every_wheel[0], *line.table.walls.values()):
+        places |= _across(line, hub.position, hub.unknowns != "two")
     for bearing in line.table.bearings:
         places |= _across(line, bearing.position, bool(np.any(bearing.tilt_stiffness)))
     for unbalance in line.table.unbalance:

@@ -240,8 +240,8 @@ def test_the_march_is_the_motion_of_the_unreduced_rotor(
     assert max(map(ledger_residual, found)) < 1e-9
     corrected = moved[1] + (moved[1] - moved[0]) / 3.0  # second order in the step
     scale = np.abs(exact).max()
-    assert np.abs(moved[1] - exact).max() < 5e-5 * scale
-    assert np.abs(corrected - exact).max() < 5e-5 * scale
+    assert np.abs(moved[1] - exact).max() < 8e-5 * scale
+    assert np.abs(corrected - exact).max() < 8e-5 * scale
 
 
 def remaining(part: Any) -> Any:
