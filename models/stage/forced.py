@@ -116,11 +116,20 @@ def forced(stage: Stage, loads: EngineOrders, omegas: Sequence[float]) -> Iterat
     check_forced(stage)
     stage.check_speed(max(omegas, key=abs))
     made = forced_rotor(stage, loads)
+    if (diameters := _diameters(loads, stage.blade_angle.size)) is not None:
+        stage = stage.of_diameters(diameters)
     for omega in omegas:
         own = stage.at(omega)
         if own is not stage:  # the bladed disk depends on the speed
             made = forced_rotor(own, loads)
         yield made
+
+
+def _diameters(loads: EngineOrders, blades: int) -> set[int] | None:
+    """Return the nodal diameters of the forces on equal blades; None if the forces differ."""
+    if any(load.factors or np.ndim(load.phase) for load in loads):
+        return None
+    return {min(order % blades, -order % blades) for order in orders_of(loads)}
 
 
 def forced_rotor(stage: Stage, loads: EngineOrders) -> ForcedRotor:

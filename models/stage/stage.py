@@ -5,7 +5,7 @@ It has two sources: finite elements of beams (`beams`), and the matrices of a fi
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
@@ -88,6 +88,11 @@ class Stage(Ring, ABC):
     @abstractmethod
     def at(self, omega: float) -> "Stage":
         """Return the stage at another speed of rotation [rad/s]."""
+
+    def of_diameters(self, diameters: Collection[int]) -> "Stage":
+        """Return a stage that need have only the modes of some nodal diameters at other speeds, see
+        `at`; those of superelements that are equal sectors then take less time."""
+        return self
 
     def check_speed(self, omega: float) -> None:
         """Check that the structure is stable at a speed of rotation [rad/s].

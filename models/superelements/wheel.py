@@ -1,6 +1,6 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -36,6 +36,7 @@ from bladewhirl.models.superelements.reduction import (
     check_count,
     root_of,
 )
+from bladewhirl.models.superelements.sector import sector_errors
 from bladewhirl.models.superelements.stresses import RECOVERED, ReducedStress
 from bladewhirl.models.superelements.superelement import (
     FIXED,
@@ -125,7 +126,11 @@ class WheelOverSpeeds:
         self.blocks = [restored(NodalBlock, each) for each in parts[: sectors // 2 + 1]]
 
     def at(
-        self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()
+        self,
+        omega: float,
+        factor: FloatArray | None = None,
+        others: Sequence[float] = (),
+        diameters: Collection[int] | None = None,
     ) -> tuple[Superelement, ReducedSuperelement]:
         """Return the contact nodes of the wheel and its reduction at a speed.
 
@@ -133,6 +138,7 @@ class WheelOverSpeeds:
             omega: speed of rotation [rad/s].
             factor: factor on the stiffness of each blade, (sectors,); None if blades are equal.
             others: other speeds, see `_of_block`; none if blades differ.
+            diameters: nodal diameters whose modes are needed; all by default, and if blades differ.
 
         Returns:
             a superelement with the contact nodes and the points of the wheel, whose coordinates are
@@ -143,7 +149,12 @@ class WheelOverSpeeds:
         """
         sectors, modes = self._sectors, self._modes
         if factor is None:
-            waves = [_of_block(block, omega, modes, others=others) for block in self.blocks]
+            waves = [
+                _of_block(block, omega, modes, others=others)
+                if diameters is None or k in diameters
+                else _without_modes(block, omega)
+                for k, block in enumerate(self.blocks)
+            ]
             return _expanded(self._part, sectors, waves)
         waves = [_of_block(block, omega, modes, static=True) for block in self.blocks]
         wheel, reduced = _expanded(self._part, sectors, waves)
@@ -335,6 +346,27 @@ def _of_block(
             if block.stiffness_speed is None
             else shapes.conj().T @ root_of(block.stiffness) @ shapes
         ),
+    )
+
+
+def _without_modes(block: NodalBlock, omega: float) -> ReducedWave:
+    """Return no modes of a block at a speed [rad/s], and no flexibility of its contact nodes.
+
+    Raises:
+        IndefiniteError: the stiffness is not positive definite at this speed.
+    """
+    with sector_errors(RIGID_SECTOR):
+        la.cholesky(block.stiffness_at(omega))  # it must be as stable as the other ones
+    forces, none = len(block.contact), np.zeros((block.size, 0), dtype=np.complex128)
+    rows = {name: np.zeros((len(getattr(block, name)), forces), complex) for name in RECOVERED}
+    return ReducedWave(
+        squares=np.zeros(0),
+        shapes=none,
+        block=block.at(omega).on(none),
+        by_force=rows,
+        residual=np.zeros((forces, forces), dtype=np.complex128),
+        steady=np.zeros(0),
+        root=None if block.stiffness_speed is None else np.zeros((0, 0), dtype=np.complex128),
     )
 
 
