@@ -9,7 +9,13 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.periodic.dataset import of_sweep
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    side_by_side,
+    styled,
+)
 from bladewhirl.postprocess.plotting.titles import key_words, set_title
 from bladewhirl.solvers.periodic.bifurcation import KINDS
 
@@ -107,7 +113,7 @@ def plot_branch(data: xr.Dataset) -> Figure:
     the unit circle. Points of `with_marches` are marks over the impulse.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.07)
-    impulse, size, circle = figure.subplots(1, 3)
+    impulse, size, circle = side_by_side(figure, 3)
     value = data["parameter"].values
     for axes, drawn in (
         (impulse, data["impulse_per_revolution"].values),
@@ -136,15 +142,12 @@ def plot_branch(data: xr.Dataset) -> Figure:
     size.set_ylabel(f"{whirl} [mm]")
     turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
     circle.plot(turn.real, turn.imag, color=COLOURS["rest"], linewidth=0.5)
-    shown = np.hypot(data["multiplier_real"], data["multiplier_imaginary"]) < 3.0
-    circle.plot(
-        data["multiplier_real"].where(shown).values.ravel(),
-        data["multiplier_imaginary"].where(shown).values.ravel(),
-        ".",
-        markersize=2,
-        color=COLOURS["rotor"],
-    )
+    real, imaginary = data["multiplier_real"].values, data["multiplier_imaginary"].values
+    away = np.hypot(real, imaginary)
+    for here, colour in ((away <= 1.0, "rotor"), ((away > 1.0) & (away < 3.0), "k = 1")):
+        circle.plot(real[here], imaginary[here], ".", markersize=2, color=COLOURS[colour])
     circle.set(xlabel="real part", ylabel="imaginary part", aspect="equal")
+    circle.set_title("multipliers,\norange: outside the circle")
     set_title(figure, data.attrs["case"], "branch of periodic motions")
     legends_below(figure, Group(list(zip(*impulse.get_legend_handles_labels(), strict=True))))
     return figure
