@@ -106,8 +106,15 @@ def plot_card(data: xr.Dataset) -> Figure:
     stage = figure.add_subplot(left[0])
     draw_flat(stage, data)
     stage.set_title(data.attrs["notes"])
-    _draw_history(figure.add_subplot(left[1]), data)
-    _draw_clock(figure.add_subplot(grid[0, 1], projection="polar"), data)
+    history = figure.add_subplot(left[1])
+    clock = figure.add_subplot(grid[0, 1], projection="polar")
+    if data["force_history"].values.any():
+        _draw_history(history, data)
+        _draw_clock(clock, data)
+    else:
+        for axes in (history, clock):
+            axes.set_axis_off()
+        clock.set_title("no blade touches the wall")
     stress = figure.add_subplot(grid[0, 2])
     if "mean" in data:
         draw_haigh(stress, data)
@@ -142,6 +149,8 @@ def verdict(data: xr.Dataset) -> str:
         one = data.isel(blade=data.attrs["worst"])
         both = [handy(float(one[name]), "Pa", 3) for name in ("alternating", "mean")]
         text = f"the stress of blade {data.attrs['worst']} alternates by {both[0]} about {both[1]}"
+        if not data.attrs["steady"]:
+            text += " (without steady rotation)"
         if "margin" in data:
             margin = float(one["margin"])
             sense = "within" if margin >= 1.0 else "beyond"
@@ -233,7 +242,8 @@ def _draw_casing(axes: Axes, data: xr.Dataset) -> None:
     edges = np.degrees(data["rod_edge" if name == "wear" else "sector_edge"].values)
     unit, scale = handy_unit(float(values.max()), "N" if name == "force" else "m")
     axes.stairs(scale * values.values, edges, color=COLOURS["total"], baseline=None)
-    axes.set(xlim=(0, 360), xticks=np.arange(0, 361, 90), ylim=(0, None))
+    top = 1.05 * scale * float(values.max()) or 1.0
+    axes.set(xlim=(0, 360), xticks=np.arange(0, 361, 90), ylim=(0, top))
     axes.set(xlabel="angle on the casing [°]", ylabel=f"{words} [{unit}]")
     several = data.sizes["axial"] > 1
     axes.set_title(words + (" of all axial positions" if several else "") + ",\naround the casing")
