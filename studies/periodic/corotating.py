@@ -21,6 +21,8 @@ from bladewhirl.solvers.periodic.corotating import CorotatingContact, contact_st
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 
+INSTANT = 1e-15  #: time step in which a rotor does not turn [s]
+
 COLUMNS = (
     Column("speed", "Ω / ω₁ [–]", ".4f"),
     Column("speed_rad_s"),
@@ -46,6 +48,14 @@ OF_LINE = (
     Column("shaft_displacement"),
 )
 """Columns of solutions on a shaft line."""
+
+
+def without_steps(case: Case) -> Case:
+    """Return a case whose rotor on a shaft line is not that of central differences in time, which a
+    march has."""
+    if case.shaft_line is None:
+        return case
+    return case.model_copy(update={"march": case.march.model_copy(update={"time_step": INSTANT})})
 
 
 def is_corotating(problem: ContactProblem) -> bool:

@@ -90,7 +90,7 @@ def branch(
 
 def _problem(case: Case, parameter: Parameter, value: float) -> tuple[Stage, ContactProblem]:
     """Return stage and contact problem at a value of the key."""
-    stage = stage_at(parameter.case(case, value))
+    stage = stage_at(corotating.without_steps(parameter.case(case, value)))
     return stage, contact_problem(stage, steps=False)
 
 

@@ -143,7 +143,8 @@ def periodic(
     constant = list[corotating.State]()
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
-        at_speed = build_stage(with_values(stage, {"march.speed": speed.given}))
+        own = corotating.without_steps(with_values(stage, {"march.speed": speed.given}))
+        at_speed = build_stage(own)
         reference = at_speed.reference_frequency
         problem = contact_problem(at_speed, steps=False)
         rests = corotating.is_corotating(problem)

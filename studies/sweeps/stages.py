@@ -16,13 +16,15 @@ stage."""
 def stage_at(case: Case) -> Stage:
     """Return the stage of a case; cases that differ only in load and march use the same models.
 
-    With rotation effects the models also depend on the speed.
+    With rotation effects the models also depend on the speed; a rotor on a shaft line on the time
+    step, too.
     """
-    turns = case.effects != "none"
+    march = {name: getattr(case.march, name) for name in ("speed", "time_step")}
+    march = march if case.effects != "none" else {}
     body = case.model_copy(
         update={
             "title": "",
-            "march": March(speed=case.march.speed) if turns else March(),
+            "march": March().model_copy(update=march),
             "contact": Contact(),
             "excitation": NoExcitation(),
             "initial": Initial(),
