@@ -80,6 +80,10 @@ def part_template(
         effects = "centrifugal" if part.gyroscopic is None else "full"
         about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
     steps = STEPS * 2 ** max(0, ceil(log2(turn / (SHARE * critical * STEPS))))
+    of_steps = "twice as many show the error of the time steps"
+    if steps > STEPS:  # the march is explicit
+        highest = f"{1e-3 / pi / critical:.3g} kHz"
+        of_steps = f"stable: modes with held contact nodes reach {highest}; fewer need fewer steps"
     file_line = f"file = {toml_value(file)}"
     wheel = _is_wheel(part)
     owner = "of the whole wheel" if wheel else "of each blade or sector"
@@ -127,7 +131,7 @@ effects = "{effects}"  # {about}
 [march]
 speed = "{float(f"{speed * 30.0 / pi:.4g}"):.10g} rpm"  # {reason}
 revolutions = {REVOLUTIONS}
-steps_per_revolution = {steps}  # twice as many show the error of the time steps
+steps_per_revolution = {steps}  # {of_steps}
 record_step = "{records}"  # about {RECORDS} records in a revolution
 """
 

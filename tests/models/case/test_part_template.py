@@ -74,6 +74,8 @@ def test_the_steps_of_a_case_suit_its_critical_time_step(tmp_path: Path, kind: s
     assert (case.march.steps_per_revolution or 0) > STEPS  # a revolution takes long
     about = critical_time_step(part, modes_of(part))
     assert about == pytest.approx(found["critical_time_step"], rel=0.2)
+    reached = f"reach {1e-3 / np.pi / about:.3g} kHz"
+    assert reached in (tmp_path / "part.toml").read_text()
 
 
 def test_the_range_of_speeds_is_taken(tmp_path: Path) -> None:
