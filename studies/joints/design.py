@@ -2,7 +2,8 @@
 preload, and the value at which it is smallest."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import xarray as xr
@@ -10,13 +11,13 @@ from scipy.optimize import minimize_scalar
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.joints.limits import LIMITS
 from bladewhirl.models.joints.wheel import JointedWheel
 from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.joints.design import plot_design
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joint_search import joint_motion, rough_motion
@@ -29,6 +30,7 @@ from bladewhirl.studies.runs.columns import Column, quantity, table
 from bladewhirl.studies.sweeps.parameter import Parameter
 
 VALUES = 12  #: number of values of the key
+STAGES = 512  #: largest number of speeds whose reduced bladed disks are kept
 RATIO = 4.0  #: ratio of the ends of a range from which on values are at equal ratios
 STEPS, WIDTH, NEAR = (25, 10), 2e-3, 0.1
 """Largest numbers of speeds at which a peak is sought with rough and with converged motions, its
@@ -154,11 +156,11 @@ def design(
     omegas = np.unique(np.concatenate([given, inside])).tolist()
     checked(contact_problem(base, steps=False), jointed_wheel(base))
 
+    stages = lru_cache(maxsize=STAGES)(base.at)
+
     def wheel_at(value: float) -> Callable[[float], JointedWheel]:
         own = parameter.case(case, value)
-        return lambda omega: jointed_wheel(
-            stage_of(with_values(own, {"march.speed": omega / reference}), base)
-        )
+        return lambda omega: jointed_wheel(cast(Matrices, stages(omega).with_case(own)))
 
     def peak_at(value: float) -> Peak:
         try:
