@@ -89,6 +89,8 @@ def periodic(
     if over is not None:
         folder = output if json or output is not None else Path(f"{case.stem}-periodic")
         with options.case_of(case, overrides) as read:
+            if not read.joint:
+                options.omitted("--over without [[joint]]", {"--speeds": speeds})
             _branch(
                 read,
                 over,

@@ -105,7 +105,7 @@ def test_show_lists_masses_and_static_loads(case: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["periodic"], "shaft_line: not allowed here"),
+        (["periodic"], "the weight turns in rotating axes (gravity.acceleration: expected [0, 0])"),
         (["veering"], "shaft_line: not allowed here"),
         (["stability", "--kappa", "500"], "--kappa: not allowed with [shaft_line]"),
         (["modes", "--shapes", "1F", "-o", "x"], "--shapes: not allowed with [shaft_line]"),
