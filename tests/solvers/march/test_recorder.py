@@ -40,6 +40,7 @@ SUPPORTS = {
 }
 NO_BEAMS = (
     "line",
+    "wheel",
     "joints",
     "dampers",
     "nodes",
