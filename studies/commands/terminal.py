@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 LINES = 10  #: number of lines in a log for a complete job
 
-QUIET = 2.0  #: time in which analyses before a march write no lines of progress [s]
+QUIET = 2.0  #: time in which each analysis before a march writes no lines of progress [s]
 
 WORKING = "working"  #: activity of a command that reports no other one
 
@@ -118,7 +118,7 @@ def progress_bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator
         label: text before the bar until there is progress.
         lines: noun of the counted items, such as "points", in the lines that are written if there
             is no terminal; if empty, no lines are written.
-        quiet: time at the beginning in which no lines are written [s].
+        quiet: time at the beginning of each job in which no lines are written [s].
     """
     with ExitStack() as stack:
         outer = _bar.get()
@@ -126,7 +126,7 @@ def progress_bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator
         before = bar.label
         token = _bar.set(bar)
         stack.callback(_bar.reset, token)
-        begun, logs = monotonic(), dict[str, _Log]()
+        logs = dict[str, _Log]()
 
         def update(
             done: int, total: int, *, label: str = "", text: str = "", failed: int = 0
@@ -134,12 +134,12 @@ def progress_bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator
             failures = f", {failed} failed" if failed else ""
             bar.show(label or bar.label, done, total, text + failures)
             if lines and bar.shown is None:
-                logs.setdefault(lines, _Log(lines, begun + quiet)).write(done, total, failures)
+                logs.setdefault(lines, _Log(lines, quiet)).write(done, total, failures)
 
         def heard(activity: str, done: int, total: int, noun: str) -> None:
             bar.show(*((label,) if 0 < total <= done else (activity, done, total)))
             if noun and bar.shown is None:
-                logs.setdefault(noun, _Log(noun, begun + QUIET)).write(done, total)
+                logs.setdefault(noun, _Log(noun, QUIET)).write(done, total)
 
         stack.enter_context(listening(heard))
         bar.show(label)
@@ -150,18 +150,19 @@ def progress_bar(label: str, *, lines: str = "", quiet: float = 0.0) -> Iterator
 class _Log:
     """Lines of progress of one kind of items, one after each tenth of the work."""
 
-    def __init__(self, noun: str, begin: float) -> None:
-        self.noun, self.begin = noun, begin
-        self.start, self.first = monotonic(), 0
+    def __init__(self, noun: str, quiet: float) -> None:
+        self.noun, self.quiet = noun, quiet
+        self.start, self.first, self.done = monotonic(), 0, 0
         self.last = 0, -1  #: number of all items, and of tenths, of the last line
 
     def write(self, done: int, total: int, failures: str = "") -> None:
         """Write a line if another tenth is finished and lines have begun."""
         now = monotonic()
-        if total != self.last[0] or done < self.first:  # another job
+        if total != self.last[0] or done < self.done:  # another job
             self.start, self.first, self.last = now, done, (total, -1)
+        self.done = done
         tenth = total, LINES * done // max(total, 1)
-        if not done or tenth == self.last or now < self.begin:
+        if not done or tenth == self.last or now < self.start + self.quiet:
             return
         self.last = tenth
         each = (now - self.start) / max(done - self.first, 1)
