@@ -62,7 +62,7 @@ def plot_joints(data: xr.Dataset) -> Figure:
     _draw_amplitudes(curve, data.isel(speed=order), data["rpm"].values[order], ".-")
     curve.set_xlabel("speed [rpm]")
     curve.locator_params(axis="x", nbins=5)
-    set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
+    set_title(figure, str(data.attrs["case"]), "periodic motions of all blades")
     patches = [(Patch(fc=colour, ec="black"), name) for name, colour in STATES.items()]
     groups = [Group(each) for each in (entries_of(loops), patches, entries_of(curve))]
     legends_below(figure, *groups)
@@ -70,12 +70,13 @@ def plot_joints(data: xr.Dataset) -> Figure:
 
 
 def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str) -> str:
-    """Draw the amplitudes of points, the linear limits of the first one, and motions that are not
-    stable, over a parameter; return the unit."""
-    size = np.linalg.norm(data["point_amplitude"].values, axis=-1)
+    """Draw the amplitudes of points, or without them of tips, the linear limits of the first point,
+    and motions that are not stable, over a parameter; return the unit."""
+    place = "point" if data.sizes["point"] else "tip"
+    size = np.linalg.norm(data[f"{place}_amplitude"].values, axis=-1)
     unit, scale = handy_unit(float(size.max(initial=0.0)), "m")
-    for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
-        axes.plot(over, scale * values, style, label=f"point {number}")
+    for number, values in zip(data[place].values.tolist(), size.T, strict=True):
+        axes.plot(over, scale * values, style, label=f"{place} {number}")
     axes.set(ylabel=f"amplitude [{unit}]")
     if not data.sizes["point"]:
         return unit
@@ -109,6 +110,6 @@ def plot_joint_branch(data: xr.Dataset) -> Figure:
     for axes in (curve, shares):
         axes.set_xlabel(f"{data.attrs['key']} [{data.attrs['unit'] or '–'}]")
         axes.locator_params(axis="x", nbins=5)
-    set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
+    set_title(figure, str(data.attrs["case"]), "periodic motions of all blades")
     legends_below(figure, *(Group(entries_of(axes)) for axes in (curve, shares)))
     return figure

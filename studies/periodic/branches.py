@@ -31,6 +31,7 @@ from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.search import prolonged
 from bladewhirl.studies.joints import branches as joints
+from bladewhirl.studies.joints.motions import ALL_BLADES, applies
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic.branch_file import (
     UNITS,
@@ -194,9 +195,11 @@ def branch(
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     parameter = Parameter.of(case, over, start, stop)
-    if case.joint:
+    if applies(case):
         if (blade, periods, origin, folder) != (0, 1, None, None):
-            raise UserError("branch: joints: expected no blade, periods, origin and directory")
+            raise UserError(
+                f"branch: {ALL_BLADES}: expected no blade, periods, origin and directory"
+            )
         return joints.branch(case, parameter, points, progress)
     family = Family(case, parameter, blade, periods)
     grid = family.grid(parameter.start, instants)
