@@ -52,7 +52,8 @@ def plot_joints(data: xr.Dataset) -> Figure:
         int(data["share_slipping"].max("joint").values.argmax()),
     )
     own = first["state"].values[largest]
-    ahead = data.attrs["engine_order"] * len(own) / blades
+    turn = 60.0 / abs(float(data["rpm"][largest]))
+    ahead = turn / float(data["period"][largest]) * len(own) / blades
     rows = [np.roll(own, -round(ahead * blade)) for blade in range(blades)]
     colours, edges = ListedColormap([*STATES.values()]), np.linspace(0.0, 1.0, len(own) + 1)
     draw_map(states, edges, np.arange(blades), rows, cmap=colours, vmin=0, vmax=len(STATES) - 1)
