@@ -14,15 +14,15 @@ import bladewhirl as bw
 BLADES = 24
 ROOT, TIP, CHORD, THICKNESS = 0.2, 0.33, 0.045, 4e-3  #: [m]
 STAGGER = np.radians(30.0)  #: angle of the chord from the axis
-FACE = np.radians(30.0)  #: angle of the faces of the shroud from the axis
+FACE = np.radians(45.0)  #: angle of the faces of the shroud from the axis
 
 block = skfem.MeshHex.init_tensor(
-    np.array([0.0, 0.32, 0.64, 0.96, 1.0]),
+    np.array([0.0, 0.38, 0.42, 0.71, 1.0]),
     np.array([-0.5, -0.05, 0.05, 0.5]),
     np.array([-0.5, 0.0, 0.5]),
 )
 span, across, _ = block.p[:, block.t].mean(axis=1)
-whole = block.restrict(np.flatnonzero((span > 0.96) | (abs(across) < 0.05)))
+whole = block.restrict(np.flatnonzero((abs(span - 0.4) < 0.02) | (abs(across) < 0.05)))
 mesh = to_meshio(skfem.MeshHex2.from_mesh(whole))
 u, v, w = mesh.points.T  # along the span, around the axis and along the chord
 radius = ROOT + (TIP - ROOT) * u

@@ -45,6 +45,15 @@ LINE = {
     }
 }
 
+WITH_WHEEL = {
+    "shaft_line": {
+        **LINE["shaft_line"],
+        "wheel": {"position": 0.5},
+        "unbalance": [{"position": 0.5, "unbalance": 0.01}],
+    },
+    "casing": {"type": "rigid", "clearance": 1e-4},
+}
+
 Tables = Mapping[str, Mapping[str, Any]]
 
 ROWS: dict[str, tuple[Callable[[bw.Case], object], Tables]] = {
@@ -99,7 +108,10 @@ def taken_by(kind: str) -> set[str]:
     """Return the names of the studies that a kind of stage takes."""
     if kind == "shaft line":  # its own functions, by the names of commands
         lines = {name for name in ROWS if hasattr(reports, name.strip("`").replace("-", "_"))}
-        return lines | {name for name in ROWS if _accepts(name, LINE)}
+        with tempfile.TemporaryDirectory() as scratch:
+            wheel = {**_disk("wheel with a hub", Path(scratch), "full"), **WITH_WHEEL}
+            kinds = (LINE, wheel)
+            return lines | {name for name in ROWS if any(_accepts(name, one) for one in kinds)}
     with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings():
         warnings.simplefilter("ignore", Hint)
         # A superelement with Coriolis forces is that of one speed, unless effects of rotation act.
@@ -117,6 +129,8 @@ def _accepts(name: str, disk: Tables) -> bool:
     given = {key: {**disk.get(key, {}), **tables.get(key, {})} for key in {*disk, *tables}}
     if "shaft_line" in disk:
         given.pop("rotation", None)  # a line has these effects without the table
+        if tried is bw.periodic:
+            given.pop("excitation", None)  # unbalances of the line are imbalances
     try:
         tried(bw.case_from(given))
     except bw.UserError:

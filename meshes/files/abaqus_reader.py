@@ -203,7 +203,10 @@ def _read_elements(card: Card, content: AbaqusMesh) -> None:
 
 
 def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
-    """Return the numbers in a line; nodes may have the name of an instance before them."""
+    """Return the numbers in a line, which may end with blank fields; nodes may have the name of an
+    instance before them."""
+    if "" in row[: max((at for at, value in enumerate(row, 1) if value), default=0)]:
+        raise MeshFileError(f"a number in every field, got {', '.join(row)}")
     try:
         return [whole(value) for value in row if value]
     except MeshFileError:
@@ -213,7 +216,7 @@ def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
 def _read_property(card: Card, content: AbaqusMesh) -> None:
     """Read a property of the material that is being read; solids need one that is constant."""
     kind = card.parameters.get("TYPE", "ISOTROPIC").upper()
-    values = [real(value) for value in card.rows[0] if value]
+    values = [real(value) if value else None for value in card.rows[0]]
     if card.keyword == "ELASTIC" and not kind.startswith("ISO"):
         content.unread[content.material] = f"*ELASTIC, TYPE={kind}"
         return
@@ -221,6 +224,8 @@ def _read_property(card: Card, content: AbaqusMesh) -> None:
     if names[0] in content.materials[content.material]:
         raise MeshFileError(f"one *{card.keyword} of each material; {content.material} has two")
     for name, value in zip(names, values, strict=False):
+        if value is None:  # a blank field
+            continue
         content.materials[content.material][name] = constant(name, value)
     if len(card.rows) > 1:
         content.unread[content.material] = f"*{card.keyword} for several temperatures"
@@ -317,12 +322,16 @@ AXES |= {"XASYMM": {2, 3}, "YASYMM": {1, 3}, "ZASYMM": {1, 2}}
 
 def _read_boundary(card: Card, content: AbaqusMesh) -> None:
     """Read the displacements that are held."""
+    if content.held and card.parameters.get("OP", "").upper() == "NEW":
+        content.constraints.add("*BOUNDARY, OP=NEW, which frees nodes held before it,")
     for row in card.rows:
         first, last, value = (*row[1:4], "", "", "")[:3]
         if value and real(value):
             content.constraints.add("*BOUNDARY of motions")
             continue
         axes = AXES.get(first.upper()) or {*range(whole(first), whole(last or first) + 1)}
+        if not axes:
+            raise MeshFileError(f"degrees of freedom from low to high, got {first}, {last}")
         for node in _named(row[0], content, NODES):
             content.held.setdefault(node, set()).update(axes & {1, 2, 3})
 

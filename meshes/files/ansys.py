@@ -307,6 +307,7 @@ def _materials(lines: list[str], sets: dict[str, list[int]]) -> Iterator[_Materi
                 unread[material] = f"has {label} for several temperatures, which is not read"
         elif words[0] == "MP" and len(words) > 3:
             _, label, material, *numbers = words
+            material = material or "1"  # the default of Ansys
             if any(number and _real(number, line) for number in numbers[1:]):
                 unread[material] = f"has {label} for several temperatures, which is not read"
         else:

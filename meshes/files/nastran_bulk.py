@@ -151,7 +151,9 @@ def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
     properties = {f"PSOLID {row[0]}": row[1] for row in cards["PSOLID"]}
     if fluid := [row[0] for row in cards["PSOLID"] if "PFLUID" in row]:
         raise MeshFileError(f"elements of solids; PSOLID {fluid[0]} is a fluid")
-    components = _constraints(cards, {int(row[0]): str(row[6]) for row in grid}, list(place))
+    usual = next((row[6] for row in cards["GRDSET"] if row[6:]), "")
+    permanent = {int(row[0]): str(usual if row[6] == "" else row[6]) for row in grid}
+    components = _constraints(cards, permanent, list(place))
     held = {name: [n for n, by in of.items() if {*"123"} <= by] for name, of in components.items()}
     partly = [
         f"{name} of single displacements of {number} nodes"

@@ -81,6 +81,19 @@ class Case(Tables):
         return beside_line(self)
 
     @property
+    def beside_walls(self) -> list[str]:
+        """Keys that further wheels of a shaft line with walls of their own do not allow."""
+        walls = {} if self.shaft_line is None else self.shaft_line.walls
+        if not walls:
+            return []
+        names = ("clearance_lobes", "profile", "closure", "coating")
+        turned = [key for key, wheel in walls.items() if wheel.superelement.angle]
+        return [
+            *(f"casing.{name}" for name in names if getattr(self.casing, name)),
+            *(f"shaft_line.{key.removesuffix('casing')}superelement.angle" for key in turned),
+        ]
+
+    @property
     def unknown_materials(self) -> dict[str, str]:
         """Materials that are not in the case, by the keys of the sections that name them."""
         disk, named = self.bladed_disk, {None, *(one.name for one in self.material.named)}

@@ -185,7 +185,7 @@ _SIZES = ("clearance_speed", "unbalance", "balance")
 
 
 class Harmonic(TypedLoad):
-    """A harmonic force at the centre (not in the paper)."""
+    """A harmonic force at the centre, or at a position along a shaft line (not in the paper)."""
 
     acts_on: ClassVar[ActsOn] = "centre"
 
@@ -198,6 +198,11 @@ class Harmonic(TypedLoad):
     blades of the default stage."""
     frame: Literal["rotating", "static"] = "static"
     """Frame in which the force is fixed, "rotating" or "static"."""
+    position: Annotated[float, quantity("m", "any")] | None = Field(
+        default=None, examples=['"0.3 m"']
+    )
+    """Position along a shaft line, whose nearest node feels the force [m]; by default that of
+    shaft_line.wheel."""
 
 
 class EngineOrder(TypedLoad):

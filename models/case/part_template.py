@@ -1,5 +1,6 @@
 """Case file for a superelement, `bladewhirl new --from part.npz`: only keys that matter for it."""
 
+from collections.abc import Sequence
 from math import ceil, log2, pi
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
 from bladewhirl.models.superelements.superelement import Superelement
 
 CLOSING, OVAL = 0.3, 0.75
@@ -38,7 +40,7 @@ RANGE = (0.5, 1.5)
 def part_template(
     file: str,
     part: Superelement,
-    reference: float,
+    lowest: Sequence[float],
     critical: float,
     speeds: FloatArray | None,
     case: Path,
@@ -48,17 +50,20 @@ def part_template(
     Args:
         file: path of the superelement, relative to the case file.
         part: the superelement.
-        reference: its lowest frequency at rest [rad/s].
+        lowest: its lowest frequency at rest; of the wheel of a sector that of each nodal diameter
+            from 0, as far as known [rad/s].
         critical: critical time step of its reduction to `modes_of` modes [s].
         speeds: range of speeds [rad/s]; by default about the speed at which a multiple of the lobes
-            meets the lowest frequency: the default of a case, unless the tips are too fast.
+            meets the lowest frequency, of a sector that of the nodal diameter which this engine
+            order excites: about the default of a case, unless the tips are too fast.
         case: path of the case file, for the commands in the comments.
     """
     radius = float(part.contact_radius.max())
     clearance = CLEARANCE * radius
     order = round(1.0 / SPEED)
-    while reference * radius / order > FASTEST:
+    while (met := _met(part, order, lowest))[0] * radius / order > FASTEST:
         order += LOBES
+    reference, whose = met
     speed = reference / order if speeds is None else float(sum(speeds)) / 2.0
     ends = np.outer(speed, RANGE)[0] if speeds is None else speeds
     low, high = (float(f"{end * 30.0 / pi:.{2 if speeds is None else 6}g}") for end in ends)
@@ -66,8 +71,7 @@ def part_template(
     profile = f'{{ lobes = {LOBES}, amplitude = "{handy(OVAL * clearance, "m", 3)}" }}'
     amount, time = handy(CLOSING * clearance, "m", 3), handy(turn, "s", 2)
     if speeds is None:
-        lowest = f"{reference / 2.0 / pi:.5g} Hz, the lowest frequency at rest"
-        reason = f"order {order} meets {lowest}"
+        reason = f"order {order} meets {reference / 2.0 / pi:.5g} Hz, {whose} at rest"
     else:
         reason = "the middle of the given range"
     span = ":".join(f"{one:.10g} rpm" for one in (low, high, (high - low) / INTERVALS))
@@ -76,6 +80,10 @@ def part_template(
         effects = "centrifugal" if part.gyroscopic is None else "full"
         about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
     steps = STEPS * 2 ** max(0, ceil(log2(turn / (SHARE * critical * STEPS))))
+    of_steps = "twice as many show the error of the time steps"
+    if steps > STEPS:  # the march is explicit
+        highest = f"{1e-3 / pi / critical:.3g} kHz"
+        of_steps = f"stable: modes with held contact nodes reach {highest}; fewer need fewer steps"
     file_line = f"file = {toml_value(file)}"
     wheel = _is_wheel(part)
     owner = "of the whole wheel" if wheel else "of each blade or sector"
@@ -123,7 +131,7 @@ effects = "{effects}"  # {about}
 [march]
 speed = "{float(f"{speed * 30.0 / pi:.4g}"):.10g} rpm"  # {reason}
 revolutions = {REVOLUTIONS}
-steps_per_revolution = {steps}  # twice as many show the error of the time steps
+steps_per_revolution = {steps}  # {of_steps}
 record_step = "{records}"  # about {RECORDS} records in a revolution
 """
 
@@ -132,6 +140,18 @@ def modes_of(part: Superelement) -> int:
     """Return the number of free-interface modes: `MODES` of each blade."""
     modes = MODES * (part.sectors or FEW if _is_wheel(part) else 1)
     return min(modes, part.size - 1)
+
+
+def _met(part: Superelement, order: int, lowest: Sequence[float]) -> tuple[float, str]:
+    """Return the lowest frequency that an engine order excites [rad/s], and its name."""
+    if part.left_dofs is not None and part.sectors is not None:
+        diameter = abs((order + part.sectors // 2) % part.sectors - part.sectors // 2)
+        if diameter < len(lowest):
+            own = lowest[diameter]
+        else:
+            own = 2.0 * pi * float(*next(frequencies_by_diameter(part, 1, [diameter])))
+        return own, f"the lowest frequency of nodal diameter {diameter}"
+    return min(lowest), "the lowest frequency"
 
 
 def _is_wheel(part: Superelement) -> bool:

@@ -122,12 +122,12 @@ def case_hints(case: Case) -> tuple[str, ...]:
 
 
 def linear_hints(case: Case) -> Iterator[str]:
-    """Yield warnings about modes and responses: joints do not act, or those of the stiffness."""
+    """Yield warnings about modes: joints do not act, or those of the stiffness."""
     if case.joint:
         yield (
-            "joints act in marches and in bladewhirl periodic, which also computes the responses"
-            " with joints free, closed without friction or stuck: modes and responses are those of"
-            " blades without joints"
+            "joints act in marches, in bladewhirl periodic and, as joints that are free, closed"
+            " without friction or stuck, in bladewhirl response: modes are those of blades without"
+            " joints"
         )
     yield from stiffness_hints(case)
 
@@ -151,3 +151,17 @@ def stiffness_hints(case: Case) -> Iterator[str]:
                 f"march.speed = {speed}: the stiffness of the superelement is that {at}; a file"
                 " with stiffness_speed has the stiffness at every speed"
             )
+
+
+def speed_hint(case: Case, speed: float) -> str:
+    """Return which speed [rad/s] studies at one speed use if the speed of a case varies; an empty
+    text at a constant speed."""
+    march = case.march
+    if not march.varies:
+        return ""
+    key = "speed_table" if march.speed_table is not None else "run_up"
+    which = f"the fastest speed of march.{key}"
+    if march.drive is not None:
+        which = "march.speed, at which the free speed starts"
+    rpm = speed / RPM
+    return f"the speed varies; values at one speed are those at {rpm:.6g} rpm, {which}"

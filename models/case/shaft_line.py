@@ -138,11 +138,27 @@ class Wheel(Table):
     turns with the wheel it destabilises forward whirl above its critical speed."""
 
 
+class WheelWall(Table):
+    """The rigid wall around a further wheel."""
+
+    clearance: fields.LengthOrZero
+    """Radial clearance of each contact node at rest [m], or of `radius`."""
+    radius: fields.Length | None = Field(default=None, examples=['"0.25 m"'])
+    """Radius from which the clearance is measured [m], as casing.radius."""
+    slope: Annotated[float, fields.quantity("rad", "any")] = Field(
+        default=0.0, examples=['"5 deg"']
+    )
+    """Slope of a conical wall, as casing.slope [rad]."""
+
+
 class FurtherWheel(Wheel):
     """A wheel of a superelement of its own."""
 
     superelement: SuperelementTable
     """File of the wheel, with hub_dofs: { file = "second.npz" }."""
+    casing: WheelWall | None = Field(default=None, examples=['{ clearance = "1 mm" }'])
+    """Rigid wall that its blades touch in a march, { clearance = "1 mm", radius = "0.25 m", slope =
+    "5 deg" }, with the friction of [contact]; without it they touch nothing."""
 
 
 class AxialSpring(Table):
@@ -192,7 +208,7 @@ class ShaftLine(Table):
         fields.rows('{ position = "0.3 m", superelement = { file = "second.npz" } }'),
     ] = ()
     """Further wheels, rows of { position = "0.3 m", unknowns = "six", superelement = { file =
-    "second.npz" } }."""
+    "second.npz" }, casing = { clearance = "1 mm" } }."""
     axial: AxialSpring | None = Field(
         default=None, examples=['{ position = 0, stiffness = "10 MN/m" }']
     )
@@ -255,6 +271,12 @@ class ShaftLine(Table):
         return self.wheels if self.wheel is None else (self.wheel, *self.wheels)
 
     @property
+    def walls(self) -> dict[str, FurtherWheel]:
+        """Further wheels with a wall, by the keys of their walls."""
+        rows = enumerate(self.wheels)
+        return {f"wheels.{n}.casing": row for n, row in rows if row.casing is not None}
+
+    @property
     def doubled(self) -> list[str]:
         """Keys of the positions of wheels at the place of an earlier one."""
         slack, places = 1e-9 * (self.end - self.start), [one.position for one in self.every_wheel]
@@ -292,8 +314,8 @@ WITH_WHEEL = (
 
 
 def beside_line(case: Table) -> list[str]:
-    """Return the tables and keys that have no effect in a case with a shaft line; excitations of
-    engine order have one with a wheel."""
+    """Return the tables and keys that have no effect in a case with a shaft line; excitations on
+    blades and casing have one with a wheel."""
     given = {
         name: value
         for name, field in type(case).model_fields.items()
@@ -302,13 +324,16 @@ def beside_line(case: Table) -> list[str]:
     if "shaft_line" not in given:
         return []
     used, disk = set(USED), dict[str, Any]()
+    loads = given.get("excitation", ())
+    kinds = {one.type for one in (loads if isinstance(loads, tuple) else [loads])}
+    felt = {"harmonic", "imbalance"}  # the latter is refused with another key in its place
     if given["shaft_line"].wheel is not None:
         used |= {*WITH_WHEEL, "sketch"}
-        loads = given.get("excitation", ())
-        if all(one.acts_on == "blades" for one in (loads if isinstance(loads, tuple) else [loads])):
-            used.add("excitation")
+        felt |= {"engine-order", "casing-distortion"}
         if "bladed_disk" in given:
             disk = given["bladed_disk"].model_dump(exclude_defaults=True)
+    if kinds <= felt:
+        used.add("excitation")
     beside = [f"bladed_disk.{name}" for name in disk if name != "superelement"]
     return [
         *(name for name in given if name not in used),

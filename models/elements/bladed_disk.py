@@ -8,9 +8,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
 from bladewhirl.meshes.plane import rotate
-from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout
-from bladewhirl.models.elements.forms import mass, straight_stiffness
 from bladewhirl.models.elements.structure import Structure, keep_free
 from bladewhirl.models.geometry.beam_model import GROUND, BeamModel
 from bladewhirl.models.sections.rectangular import LineProperties
@@ -213,6 +211,9 @@ class BeamMatrices:
 
     def __init__(self, model: BeamModel) -> None:
         """Prepare the assembly; `sections` are those at its quadrature points."""
+        # Loaded with scikit-fem, which superelements do not need.
+        from bladewhirl.models.elements.assembly import straight_beams
+
         mesh = model.mesh
         self.assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
         self.sections = model.properties.at(self.assembler.points)
@@ -225,10 +226,14 @@ class BeamMatrices:
     def mass(self, weight: float | FloatArray = 1.0) -> sp.csr_array:
         """Return the mass matrix, with a factor on that of each line, (lines, 1), or at each
         quadrature point, (lines, points)."""
+        from bladewhirl.models.elements.forms import mass
+
         return self.of(mass, rho_A=weight * self.sections.line_mass)
 
     def stiffness(self, weight: float | FloatArray = 1.0) -> sp.csr_array:
         """Return the stiffness matrix, with a factor on that of each line, (lines, 1)."""
+        from bladewhirl.models.elements.forms import straight_stiffness
+
         return self.of(
             straight_stiffness,
             EA=weight * self.sections.axial_stiffness,

@@ -23,9 +23,7 @@ from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.elements.assembly import curved_beams
 from bladewhirl.models.elements.cyclic import SectorLayout
-from bladewhirl.models.elements.forms import curved_stiffness, mass
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall, WallProperties
@@ -207,6 +205,10 @@ def assemble_casing(
     """
     count = mesh.elements
     nodes = np.arange(count)
+    # Loaded with scikit-fem, which a rigid casing does not need.
+    from bladewhirl.models.elements.assembly import curved_beams
+    from bladewhirl.models.elements.forms import curved_stiffness, mass
+
     assembler = curved_beams(
         np.full(count, mesh.element_length), np.column_stack([nodes, np.roll(nodes, -1)]), count
     )

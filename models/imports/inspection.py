@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
-from scipy.spatial import ConvexHull, QhullError
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.plausible import fault_of
@@ -103,6 +102,8 @@ def inspect(part: Superelement) -> Inspection:
 
 def mass_hints(part: Superelement, mass: float) -> Iterator[str]:
     """Yield a warning if a mass [kg] is too small for the convex hull of the points of a part."""
+    from scipy.spatial import ConvexHull, QhullError  # long to load
+
     with suppress(QhullError, ValueError):
         density = mass / ConvexHull(part.points).volume
         if expected := fault_of(density, LIGHTEST, math.inf, "kg/m3"):

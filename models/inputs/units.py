@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal, SupportsFloat
 from bladewhirl.models.inputs.errors import UserError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import pint
 
 # Only text that matches this syntax is passed to pint, which would also evaluate "9**9**9 m".
@@ -28,7 +30,17 @@ _LONGEST = 80
 
 _PREFIXED = ("m", "s", "N", "Pa", "N/m")
 _PREFIXES = {"": 0, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
-"""Powers of ten of common prefixes, converted without loading pint."""
+"""Powers of ten of common prefixes, converted without loading pint, which takes long."""
+
+_TURN = 2 * Decimal("3.141592653589793238462643383280")
+_SPEEDS = {"rad/s": Decimal(1), "rpm": _TURN / 60, "RPM": _TURN / 60, "Hz": _TURN}
+"""Units of angular speed [rad/s] that are converted without loading pint."""
+_OTHERS = {
+    "kg": {"t": Decimal(1000), "kg": Decimal(1), "g": Decimal("0.001")},
+    "rad": {"rad": Decimal(1), "deg": _TURN / 360},
+    "kg/m3": {"kg/m3": Decimal(1), "g/cm3": Decimal(1000)},
+}
+"""Likewise, other units of a quantity."""
 
 RAD_PER_S: Final = "rad/s"
 TURN_PER_S: Final = "turn/s"
@@ -43,9 +55,8 @@ def to_si(text: str, unit: str) -> float:
         ValueError: the text is not a number with a unit, the unit is unknown or of another
             dimension, or the number is too large.
     """
-    simple = _prefixed(text, unit)
-    if simple is not None:
-        return finite(simple)
+    if (known := _known(text, _factors(unit))) is not None:
+        return finite(known)
     quantity = _parse(text)
     needed = _registry().Unit(_spelled_out(unit))
     if quantity.dimensionality != needed.dimensionality:
@@ -62,6 +73,8 @@ def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
     Raises:
         ValueError: the text is not a number with a unit of angular speed, or is too large.
     """
+    if (known := _known(text, _SPEEDS)) is not None:
+        return finite(known if unit == RAD_PER_S else known / _TURN)
     quantity = _parse(text)
     if any(name.endswith("hertz") for name, _ in quantity.unit_items()):
         quantity = quantity * _registry().Unit("turn")
@@ -198,15 +211,19 @@ def finite(number: SupportsFloat) -> float:
     return value
 
 
-def _prefixed(text: str, unit: str) -> Decimal | None:
-    """Convert text whose unit is ``unit``, possibly with a prefix; None if pint is needed."""
+def _known(text: str, factors: Mapping[str, Decimal]) -> Decimal | None:
+    """Convert text with one of the units; None if pint is needed."""
     match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
-    if match is None or not match["unit"].endswith(unit):
-        return None
-    power = _PREFIXES.get(match["unit"].removesuffix(unit))
-    if power is None or unit not in _PREFIXED:
-        return None
-    return Decimal(match["number"]).scaleb(power)
+    factor = None if match is None else factors.get(match["unit"])
+    return None if match is None or factor is None else Decimal(match["number"]) * factor
+
+
+@cache
+def _factors(unit: str) -> Mapping[str, Decimal]:
+    """Return the factors to ``unit`` of units that are converted without loading pint."""
+    if unit in _PREFIXED:
+        return {prefix + unit: Decimal(1).scaleb(n) for prefix, n in _PREFIXES.items()}
+    return _OTHERS.get(unit, {})
 
 
 @cache

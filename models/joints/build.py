@@ -71,8 +71,8 @@ def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> Jointe
     rows, joint = _rows(pairs, nodes), pairs.joint
     given = rows
     if wall is not None:
-        tips = wall_contact(stage, wall)
-        rows, given = with_tips(rows, tips)
+        at_tips = wall_contact(stage, wall)
+        rows, given = with_tips(rows, at_tips)
     assert rotor.compliance is not None  # the case has a massless boundary
     modes = rotor.contact.shape[1]
     contact = rotor.contact.reshape(own, DIRECTIONS * nodes, modes)
@@ -85,9 +85,9 @@ def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> Jointe
     forced = forced_rotor(stage, loads)
     loaded = tuple(dict.fromkeys(number for load in loads for number in load.points))
     points, by_force = _points(stage, loaded)
-    free = _places(np.setdiff1d(np.arange(nodes), np.concatenate([pairs.left, pairs.right])))
-    points = np.vstack([points, rotor.contact[free]])
-    by_force = np.vstack([by_force, rotor.compliance[0][free]])
+    tips = np.setdiff1d(np.arange(nodes), np.concatenate([pairs.left, pairs.right]))
+    points = np.vstack([points, rotor.contact[_places(tips)]])
+    by_force = np.vstack([by_force, rotor.compliance[0][_places(tips)]])
     wheel = JointedWheel(
         names=tuple(each.name for each in case.joint),
         joint=joint,
@@ -103,10 +103,11 @@ def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> Jointe
         static={order: given @ _static(forced, order, nodes) for order in forced.forces},
         points=points,
         loaded=loaded,
+        tips=tuple(tips.tolist()),
         points_by_force=by_force.reshape(len(by_force), own, DIRECTIONS * nodes) @ rows.T,
     )
     wheel = replace(wheel, gap=overclosures(stage, pairs))
-    return wheel if wall is None else at_wall(wheel, tips)
+    return wheel if wall is None else at_wall(wheel, at_tips)
 
 
 def _rows(pairs: JointNodes, nodes: int) -> FloatArray:

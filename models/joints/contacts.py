@@ -76,18 +76,12 @@ def with_joint_arrays(stage: Stage, problem: ContactProblem) -> StageArrays:
 def _joint_contacts(stage: Matrices, problem: ContactProblem) -> tuple[JointContacts, Start]:
     """Return the joints of a stage, and the start of its contact problem with them."""
     rotor, start = problem.rotor, problem.start
-    case, blades, pairs = stage.case, stage.table.copies, joint_nodes(stage)
+    case, pairs = stage.case, joint_nodes(stage)
     count = stage.angle.size  # of all nodes
-    per_blade, gaps = count // blades, overclosures(stage, pairs)
-    rows = [
-        _Pair(blade, n, *each)
-        for blade in range(blades)
-        for n in range(len(pairs.joint))
-        for each in _touching(case.joint[pairs.joint[n]], pairs, n, blade, blades, per_blade)
-    ]
-    ends = np.array([each.ends for each in rows])
-    number = np.array([each.pair for each in rows])
-    still = np.array([[each.axes, -each.axes] for each in rows])
+    gaps, surfaces = overclosures(stage, pairs), surfaces_of(stage, pairs)
+    ends = np.array([each.ends for each in surfaces])
+    number = np.array([each.pair for each in surfaces])
+    still = np.array([[each.axes, -each.axes] for each in surfaces])
     joint = pairs.joint[number]
     turned, slope = still.copy(), np.resize(np.asarray(stage.slope, dtype=np.float64), count)[ends]
     if slope.any():
@@ -99,7 +93,7 @@ def _joint_contacts(stage: Matrices, problem: ContactProblem) -> tuple[JointCont
     moved = [rigid @ each for load in case.excitations.values() for each in _left_out(load, stage)]
     found = JointContacts(
         joint=joint,
-        blade=np.array([each.blade for each in rows]),
+        blade=np.array([each.blade for each in surfaces]),
         ends=ends,
         axes=turned,
         friction=np.array([each.friction for each in case.joint])[joint],
@@ -108,18 +102,30 @@ def _joint_contacts(stage: Matrices, problem: ContactProblem) -> tuple[JointCont
         by_load=np.reshape(moved, (len(problem.loads), matrix.shape[0])),
         start=np.zeros(0),
         start_force=np.zeros(0),
-        **_dampers(stage, joint, ends, pairs),
+        **dampers_of(stage, joint, ends, pairs),
     )
     return _pressed(stage, rotor, found, matrix, start)
 
 
-class _Pair(NamedTuple):
+class Surfaces(NamedTuple):
     """A pair of surfaces in contact."""
 
     blade: int  #: blade whose joint it is
     pair: int  #: number of its pair of nodes
     ends: tuple[int, int]  #: see `JointContacts.ends`
     axes: FloatArray  #: normal from the second to the first end, and two tangents, as columns
+
+
+def surfaces_of(stage: Matrices, pairs: JointNodes) -> list[Surfaces]:
+    """Return the pairs of surfaces of all blades, blade by blade."""
+    blades, given = stage.table.copies, stage.case.joint
+    per_blade = stage.angle.size // blades
+    return [
+        Surfaces(blade, n, *each)
+        for blade in range(blades)
+        for n in range(len(pairs.joint))
+        for each in _touching(given[pairs.joint[n]], pairs, n, blade, blades, per_blade)
+    ]
 
 
 def _touching(
@@ -133,7 +139,9 @@ def _touching(
     return [((left, -1), axes([s, c, 0.0])), ((right, -1), axes([s, -c, 0.0]))]
 
 
-def _dampers(stage: Matrices, joint: IntArray, ends: IntArray, pairs: JointNodes) -> dict[str, Any]:
+def dampers_of(
+    stage: Matrices, joint: IntArray, ends: IntArray, pairs: JointNodes
+) -> dict[str, Any]:
     """Return the arrays of the dampers of a stage.
 
     Raises:

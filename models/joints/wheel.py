@@ -89,6 +89,7 @@ class JointedWheel:
     """Radial, tangential and axial displacements of loaded points, and then of the tips of the
     first blade [kg^-1/2], (3 * points, modes)."""
     loaded: tuple[int, ...]  #: numbers of the loaded points in the file
+    tips: tuple[int, ...] = ()  #: numbers of the contact nodes of the tips
     points_by_force: FloatArray
     """Their displacements by forces on the joint nodes of each blade of a copy without their part
     in the modes [m/N], (3 * points, blades of a copy, 2 * values)."""
@@ -112,6 +113,11 @@ class JointedWheel:
         return DIRECTIONS * len(self.joint)
 
     @property
+    def shown(self) -> tuple[int, ...]:
+        """Numbers of the points whose amplitudes are results: the loaded ones, or the tips."""
+        return self.loaded or self.tips
+
+    @property
     def orders(self) -> list[int]:
         """Engine orders of the loads, ascending."""
         return sorted(self.loads)
@@ -120,6 +126,11 @@ class JointedWheel:
     def varies(self) -> bool:
         """True if loads or the wall vary with time."""
         return any(self.loads) or bool(self.wall)
+
+    @property
+    def shown_order(self) -> int:
+        """Lowest engine order of the loads, or the largest one of the wall without loads."""
+        return next(order for order in (*self.orders, *self.main_orders) if order)
 
     @property
     def main_orders(self) -> list[int]:

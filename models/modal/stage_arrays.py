@@ -154,6 +154,8 @@ class StageArrays:
         absent()
     )  #: position of each node of a shaft line [m], (shaft nodes,)
     shaft_radius: FloatArray = absent()  #: its outer radius there [m], (shaft nodes,)
+    wheel_origin: float | None = None
+    """Position along a shaft line of the plane z = 0 of its wheel [m]; None without a wheel."""
     bearing_name: tuple[str, ...] = ()  #: name of each bearing of a shaft line, (bearings,)
     bearing_node: IntArray = absent()  #: its node of the shaft, (bearings,)
     joint_name: tuple[str, ...] = ()  #: name of the joint of each pair of nodes, (pairs,)

@@ -25,7 +25,6 @@ from bladewhirl.models.elements.bladed_disk import (
     nodal_to_line_axes,
     node_springs,
 )
-from bladewhirl.models.elements.forms import coriolis, tension_stiffness
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 
@@ -78,6 +77,8 @@ def _load_from_first_end(model: BeamModel, places: FloatArray, omega: float) -> 
 def rotation_matrices(disk: BladedDiskModel) -> Structure:
     """Return the structure of a bladed disk that was assembled at rest, with the matrices and loads
     of its rotation."""
+    from bladewhirl.models.elements.forms import coriolis, tension_stiffness
+
     model, structure, unknowns = disk.model, disk.structure, disk.expansion
     mesh = model.mesh
     beams = BeamMatrices(model)

@@ -13,7 +13,6 @@ round shaft has the matrices of any other one; the unknowns of a node are w and 
 from dataclasses import dataclass
 
 import numpy as np
-from skfem import Basis, ElementLineHermite, MeshLine1
 
 from bladewhirl.meshes.line_mesh import FloatArray
 
@@ -51,6 +50,8 @@ class ShaftMatrices:
 
 def shaft_matrices(shaft: RoundElements) -> ShaftMatrices:
     """Return the matrices of a shaft in one plane."""
+    from skfem import Basis, ElementLineHermite, MeshLine1  # only a shaft line needs it
+
     length, count = shaft.length, len(shaft.length)
     mesh = MeshLine1(shaft.node[None, :], np.arange(count)[None, :] + np.array([[0], [1]]))
     basis = Basis(mesh, ElementLineHermite(), intorder=POINTS_ORDER)

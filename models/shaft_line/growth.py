@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bladewhirl.models.shaft_line.axial import axial_modes
 from bladewhirl.models.shaft_line.line import LineModel
@@ -87,5 +86,7 @@ def _border(line: LineModel, stable: Growth, unstable: Growth) -> Growth:
 
     low, high = stable.speed - NEAR * unstable.speed, unstable.speed
     if rate(low) < 0.0 < rate(high):
+        from scipy.optimize import brentq  # long to load
+
         unstable = followed(float(brentq(rate, low, high, xtol=FINE * high, rtol=FINE)))
     return unstable

@@ -195,7 +195,7 @@ def refuse_line(case: Case) -> None:
     if case.shaft_line is not None:
         expected = (
             "not allowed here: a shaft line has run, modes, campbell,"
-            " critical-speeds, response, stability and show"
+            " critical-speeds, response, stability, periodic and show"
         )
         raise CaseError([Fault(key="shaft_line", expected=expected)])
 

@@ -31,6 +31,10 @@ from bladewhirl.models.shaft_line.line import LineModel, real_form
 DEPENDENT = 1e-9
 """A shape is left out if the part of it that others do not contain is a smaller fraction of it."""
 
+LEVELS = 6
+"""Modes at rest in which those at speed are computed, as a multiple of the modes of a plane; those
+of a line of many nodes hardly contain higher ones."""
+
 LOW = 1e-2
 """Static shapes of an unheld line are those on an elastic support of its masses that gives this
 fraction of the reference frequency."""
@@ -83,7 +87,8 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
     )
     basis = np.eye(size)
     if modes < size:
-        basis = _independent(_candidates(line, mass, polar, stiffness, speed), mass, modes)
+        shapes = _candidates(line, mass, polar, stiffness, speed, LEVELS * modes)
+        basis = _independent(shapes, mass, modes)
     angle = speed * time_step
     cosine, sine, chord = float(np.cos(angle)), _sinc(angle), _sinc(angle / 2.0) ** 2
     mass, twice, softer = (
@@ -91,10 +96,15 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
         2.0 * sine * mass - cosine * polar,
         sine * polar - chord * mass,
     )
-    at_speed = stiffness + speed**2 * softer
-    squares, on_basis = la.eigh(basis.T @ at_speed @ basis, basis.T @ mass @ basis)
+    bent = _without_rigid(basis.T @ stiffness @ basis, basis, line.position)
+    at_speed = bent + speed**2 * (basis.T @ softer @ basis)
+    squares, on_basis = la.eigh(at_speed, basis.T @ mass @ basis)
     shapes = basis @ on_basis
-    projected = [shapes.T @ each @ shapes for each in (twice, softer, stiffness)]
+    projected = [
+        shapes.T @ twice @ shapes,
+        shapes.T @ softer @ shapes,
+        on_basis.T @ bent @ on_basis,
+    ]
     twice, softer, bent = ((each + each.T) / 2.0 for each in projected)  # no damping by rounding
     return ReducedLine(
         speed=speed,
@@ -106,26 +116,40 @@ def reduced_line(line: LineModel, speed: float, modes: int, time_step: float = 0
     )
 
 
+def _without_rigid(stiffness: FloatArray, basis: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the stiffness on a basis without the forces on rigid motions that rounding leaves."""
+    rigid = np.zeros((len(basis), 2))
+    rigid[0::2, 0], rigid[0::2, 1], rigid[1::2, 1] = 1.0, position, 1.0
+    own = la.qr(la.lstsq(basis, rigid)[0], mode="economic")[0]
+    bending = np.eye(len(own)) - own @ own.T
+    return np.asarray(bending @ stiffness @ bending)
+
+
 def _sinc(angle: float) -> float:
     """Return sin(angle) / angle."""
     return float(np.sinc(angle / np.pi))
 
 
 def _candidates(
-    line: LineModel, mass: FloatArray, polar: FloatArray, stiffness: FloatArray, speed: float
+    line: LineModel,
+    mass: FloatArray,
+    polar: FloatArray,
+    stiffness: FloatArray,
+    speed: float,
+    most: int,
 ) -> FloatArray:
-    """Return shapes in order of their importance, (n, shapes)."""
-    size = len(mass)
-    squares, free = la.eigh(stiffness, mass)
+    """Return shapes in order of their importance, (n, shapes), from at most some modes at rest."""
+    size, levels = len(mass), min(most, len(mass))
+    squares, free = la.eigh(stiffness, mass, subset_by_index=[0, levels - 1])
     soft = stiffness + (LOW * line.reference_frequency) ** 2 * mass
     held = la.solve(soft, line.bearing_rows[:, :size].T, assume_a="pos")
     frequency = np.sqrt(np.maximum(squares, 0.0))
     turning = speed * free.T @ polar @ free
-    none, one = np.zeros_like(turning), np.eye(size)
+    none, one = np.zeros_like(turning), np.eye(levels)
     # w (A + w) f = K f for whirl at the frequency w, with the sign of its direction.
     values, vectors = la.eig(np.block([[none, one], [np.diag(frequency**2), turning]]))
     order = np.argsort(np.abs(values))
-    whirl = free @ vectors[:size, order].real
+    whirl = free @ vectors[:levels, order].real
     by_level = np.stack([free, whirl[:, 0::2], whirl[:, 1::2]], axis=2)
     return np.hstack([held, by_level.reshape(size, -1)])
 

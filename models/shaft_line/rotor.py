@@ -21,6 +21,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.shaft_line.axial import held_along, rods
 from bladewhirl.models.shaft_line.line import LineModel
+from bladewhirl.models.shaft_line.wheel import WheelOnLine
 from bladewhirl.models.superelements.hub import (
     check_hub,
     hub_freed,
@@ -42,9 +43,11 @@ FREE = {"two": (X, Y), "four": (X, Y, ABOUT_X, ABOUT_Y), "six": tuple(range(HUB)
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LineRotor(Superelement):
-    """A shaft line with its wheels in rotating axes, without bearings. Its contact nodes and points
-    are those of the first wheel; its centre is the hub of this wheel."""
+    """A shaft line with its wheels in rotating axes, without bearings. Its contact nodes are those
+    of the first wheel, then those of further wheels with a wall, whose positions are in the axes of
+    the first; its points and its centre are those of the first wheel."""
 
+    wheel_nodes: tuple[int, ...]  #: number of contact nodes of each wheel that has a wall
     line_rows: sp.csr_array  #: the six displacements of each node of the shaft, (6 * nodes, n)
     weight_rows: FloatArray
     """Mass matrix times uniform displacements along x and along y [kg], (2, n)."""
@@ -66,7 +69,11 @@ class OnLine(NamedTuple):
     rotor: LineRotor
     damped: tuple[Damped, ...]
     forces: FloatArray
-    """Forces of unit size by the bearings on the coordinates, along x and along y, (n, forces)."""
+    """Forces of unit size by bearings, unbalances and at the hubs of wheels that touch a wall on
+    the coordinates, (n, forces)."""
+    rigid: FloatArray | None
+    """Rigid motions of a rotor of equal blades: along x and y, and tilts towards x and y about the
+    start of the shaft, the latter if all wheels tilt, (n, 2 or 4)."""
 
     @property
     def damping(self) -> Callable[[FloatArray], FloatArray] | None:
@@ -148,39 +155,56 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
         bases.append(_basis(wheel, int(start), size, sp.csr_array(hub) @ on_shaft))
     forms = {name: on_shaft.T @ (form @ on_shaft) for name, form in shaft.forms.items()}
     loads = {name: on_shaft.T @ load for name, load in shaft.loads.items()}
-    weight = np.array([on_shaft.T @ (shaft.forms["mass"] @ way) for way in shaft.uniform])
+    held_upright = any(one.unknowns == "two" for one in tables)
+    rigid = on_shaft.T @ (shaft.rigid[:, :2] if held_upright else shaft.rigid)
+    weight = np.array([on_shaft.T @ (shaft.forms["mass"] @ way) for way in shaft.rigid.T[:2]])
     damped = list[Damped]()
-    for wheel, basis, table in zip(wheels, bases, tables, strict=True):
-        motions = rigid_motions(wheel)
+    for start, wheel, basis, table in zip(starts, wheels, bases, tables, strict=False):
+        motions, own = rigid_motions(wheel), inner_dofs(wheel)
         check_hub(wheel, motions)
+        rigid[start : start + len(own)] = motions[own] @ (basis[hub_of(wheel)] @ rigid)
         for name, form in wheel.projected(basis, wheel.FORMS).items():
             forms[name] = forms[name] + form if name in forms else form
         for name, load in wheel.projected(basis, wheel.LOADS).items():
             loads[name] = loads[name] + load if name in loads else load
         weight += np.asarray((wheel.mass @ motions[:, :2]).T @ basis)
         if table.damping_ratio:
-            of_hub, own = basis[hub_of(wheel)], inner_dofs(wheel)
+            of_hub = basis[hub_of(wheel)]
             relative = basis[own] - sp.csr_array(motions[own]) @ of_hub
             damped.append(Damped(hub_freed(wheel), sp.csr_array(relative), table.damping_ratio))
     first, basis = wheels[0], bases[0]
-    place_of = np.append(np.arange(first.size), FIXED)
-    place_of[inner_dofs(first)] = np.arange(inner[0])
-    hub_node = HUB * line.wheels[0].node
+    hub_node, positions, dofs = HUB * line.wheels[0].node, list[FloatArray](), list[IntArray]()
+    for start, wheel, table, place in zip(starts, wheels, tables, line.wheels, strict=False):
+        if wheel is not first and getattr(table, "casing", None) is None:
+            continue
+        number_of = np.append(np.arange(wheel.size), FIXED)
+        number_of[inner_dofs(wheel)] = start + np.arange(wheel.size - HUB)
+        dofs.append(number_of[wheel.contact_dofs])
+        ahead = _start(line, place, wheel) - _start(line, line.wheels[0], first)
+        positions.append(wheel.contact_position + np.array([0.0, 0.0, ahead]))
     rotor = LineRotor(
         **{each.name: getattr(first, each.name) for each in fields(Superelement)}
         | {name: form for name, form in forms.items()}
         | loads
         | first.projected(basis, Superelement.ROWS)
         | {
-            "contact_dofs": place_of[first.contact_dofs],
+            "contact_position": np.concatenate(positions),
+            "contact_dofs": np.concatenate(dofs),
             "centre_dofs": number[[hub_node + X, hub_node + Y]],
             "hub_dofs": None,
             "hub_position": None,
         },
         line_rows=on_shaft,
         weight_rows=weight,
+        wheel_nodes=tuple(map(len, dofs)),
     )
-    return OnLine(rotor, tuple(damped), _forces(line, number, size))
+    return OnLine(rotor, tuple(damped), _forces(line, number, size), rigid)
+
+
+def _start(line: LineModel, place: WheelOnLine, wheel: Superelement) -> float:
+    """Return the position along the line at which the file of a wheel begins to count z [m]."""
+    assert wheel.hub_position is not None
+    return float(line.position[place.node] - wheel.hub_position[2])
 
 
 def linearised(rotor: LineRotor, omega: float) -> LineRotor:
@@ -196,7 +220,7 @@ def linearised(rotor: LineRotor, omega: float) -> LineRotor:
 class _Shaft(NamedTuple):
     forms: dict[str, Any]
     loads: dict[str, FloatArray]
-    uniform: FloatArray  #: uniform displacements along x and along y, (2, 6 * nodes)
+    rigid: FloatArray  #: rigid motions along x and y, and tilts towards x and y, (6 * nodes, 4)
 
 
 def _shaft(line: LineModel) -> _Shaft:
@@ -231,13 +255,16 @@ def _shaft(line: LineModel) -> _Shaft:
         forms["stiffness"][spring, spring] += table.axial.stiffness
     turned = np.zeros(2 * nodes)
     turned[nodes:] = 1.0
+    plane = np.zeros((2 * nodes, 2))  # deflections and slopes of the rigid motions in a plane
+    plane[0::2] = np.stack([np.ones(nodes), line.position - line.position[0]], axis=1)
+    plane[1::2, 1] = 1.0
     return _Shaft(
         forms={name: sp.csr_array(form) for name, form in forms.items()},
         loads={
             "centrifugal_load": np.zeros(HUB * nodes),
             "euler_load": -axial.T @ (rod_mass @ turned),
         },
-        uniform=np.stack([np.tile(np.eye(HUB)[way], nodes) for way in (X, Y)]),
+        rigid=np.hstack([in_x.T @ plane, in_y.T @ plane])[:, [0, 2, 1, 3]],
     )
 
 
@@ -252,12 +279,24 @@ def _basis(wheel: Superelement, start: int, size: int, hub: Any) -> sp.csr_array
 
 
 def _forces(line: LineModel, number: IntArray, size: int) -> FloatArray:
-    """Return unit forces of the bearings along x and y, and unit moments of those against tilt."""
-    places = list[int]()
+    """Return unit forces and moments across the axis by bearings and unbalances where they act, and
+    on the hubs of wheels that touch a wall, whose static displacements under contact forces are
+    then exact."""
+    places = dict[int, None]()
+    for hub in (line.table.every_wheel[0], *line.table.walls.values()):
+        places |= _across(line, hub.position, hub.unknowns != "two")
     for bearing in line.table.bearings:
-        first = HUB * line.node(bearing.position)
-        ways = [X, Y] + [ABOUT_X, ABOUT_Y] * bool(np.any(bearing.tilt_stiffness))
-        places += number[[first + way for way in ways]].tolist()
-    forces = np.zeros((size, len(places)))
-    forces[places, np.arange(len(places))] = 1.0
+        places |= _across(line, bearing.position, bool(np.any(bearing.tilt_stiffness)))
+    for unbalance in line.table.unbalance:
+        places |= _across(line, unbalance.position, bool(unbalance.couple))
+    rows = number[list(places)]
+    forces = np.zeros((size, len(rows)))
+    forces[rows, np.arange(len(rows))] = 1.0
     return forces
+
+
+def _across(line: LineModel, position: float, tilts: bool) -> dict[int, None]:
+    """Return the numbers of the displacements across the axis at a position [m], and, if forces
+    tilt the shaft there, of the rotations."""
+    first = HUB * line.node(position)
+    return dict.fromkeys(first + way for way in [X, Y] + [ABOUT_X, ABOUT_Y] * tilts)

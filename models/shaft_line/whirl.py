@@ -15,7 +15,6 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.linalg as la
-from scipy.optimize import brentq
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.shaft_line.line import LineModel
@@ -185,6 +184,8 @@ def line_critical_speeds(line: LineModel, count: int) -> LineCriticalSpeeds:
         line: the shaft line.
         count: number of modes at rest that are followed.
     """
+
+    from scipy.optimize import brentq  # long to load
 
     def apart(omega: float, number: int) -> float:
         return float(line_modes(line, omega, number + 1).eigenvalue[-1].imag - omega)

@@ -22,7 +22,7 @@ def basis_error(case: Case, speed: float, frequency: FloatArray) -> float | None
     Args:
         case: the case.
         speed: speed of rotation [rad/s].
-        frequency: frequencies at this speed, ascending [rad/s], (modes,).
+        frequency: frequencies at this speed, in any order [rad/s], (modes,).
     """
     table = case.bladed_disk.matrices
     effects, massless = case.rotation.effects, case.reduction.boundary == "massless"
@@ -38,7 +38,7 @@ def basis_error(case: Case, speed: float, frequency: FloatArray) -> float | None
         held = part if part.centre_dofs is None else on_springs(case, part)
         exact = lowest_modes(held, COMPARED)[0]
     count = min(len(exact), len(frequency), COMPARED)
-    return float(np.abs(frequency[:count] / np.sqrt(exact[:count]) - 1.0).max())
+    return float(np.abs(np.sort(frequency)[:count] / np.sqrt(exact[:count]) - 1.0).max())
 
 
 def _of_sector(part: Superelement, sectors: int) -> FloatArray:

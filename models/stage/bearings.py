@@ -82,6 +82,26 @@ class Bearings:
         turn = np.exp(1j * np.asarray(angle))[..., None]
         return np.asarray((rotor @ self.rotor.T) * turn - casing @ self.support.T)
 
+    @property
+    def equal(self) -> bool:
+        """True if all act alike in all directions, so that they are constant in rotating axes."""
+        return not (np.any(self.stiffness[:, 1]) or np.any(self.damping[:, 1]))
+
+    def in_rotating_axes(self, speed: float, supports: int) -> tuple[FloatArray, FloatArray]:
+        """Return stiffness [rad2/s2] and damping [1/s] of equal bearings on the rotor modes and, in
+        rotating axes, on the last casing modes, which are the supports, (n, n) each.
+
+        Args:
+            speed: speed of rotation [rad/s].
+            supports: number of supports.
+        """
+        first = self.support.shape[1] - 2 * supports
+        rows = np.hstack([self.rotor, -self.support[:, first:]])
+        k0, c0 = self.stiffness[:, 0], self.damping[:, 0]
+        both = (k0 + 1j * speed * c0, c0)
+        stiffness, damping = ((rows.conj().T * each @ rows).real for each in both)
+        return stiffness, damping
+
     def energy(
         self, angle: FloatArray | float, rotor: FloatArray, casing: FloatArray
     ) -> FloatArray:

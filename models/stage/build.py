@@ -151,7 +151,7 @@ def check_start(stage: Stage, problem: ContactProblem) -> None:
             f" would be {-gap.min():.4g} m beyond the wall; use a larger clearance, another phase"
             " of its lobes, or casing.closure, which moves the wall inward later"
         )
-        raise CaseError([case_fault(stage.case, "casing.clearance", expected)])
+        raise CaseError([case_fault(stage.case, stage.clearance_key(node), expected)])
 
 
 def march_faults(stage: Stage, loads: tuple[Load, ...], *, steps: bool = True) -> Iterator[Fault]:

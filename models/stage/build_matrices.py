@@ -1,6 +1,6 @@
 """Build the stage of a case with a superelement: structure at the speed, reduction, wall."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -54,7 +54,12 @@ HIGHEST = 1e5  #: highest plausible first natural frequency [Hz]
 
 
 def build_matrices(
-    case: Case, ring: Ring | None = None, *, blades: bool = False, listed_at: float | None = None
+    case: Case,
+    ring: Ring | None = None,
+    *,
+    blades: bool = False,
+    listed_at: float | None = None,
+    diameters: Collection[int] | None = None,
 ) -> Matrices:
     """Return the stage of a case with a superelement.
 
@@ -63,6 +68,7 @@ def build_matrices(
         ring: its casing, if it is known.
         blades: whether the stiffness of each of the equal blades of sectors is needed.
         listed_at: speed [rad/s], if of sectors only the modes at rest and at this speed are needed.
+        diameters: the only nodal diameters that are needed of equal sectors; all by default.
 
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
@@ -90,7 +96,7 @@ def build_matrices(
     if not of_waves:
         name = "free" if case.reduction.boundary == "massless" else "fixed"
         key = f"reduction.{name}_interface_modes"
-    reduced_at = partial(_reduced_at, case, part, factor, omega, blades, listed_at)
+    reduced_at = partial(_reduced_at, case, part, factor, omega, blades, listed_at, diameters)
     try:
         given, part, reduced = reduced_at(omega, others=other_speeds(case, at_rest))
     except SuperelementError as error:
@@ -137,7 +143,7 @@ def build_matrices(
         factor=copies,
         blade=np.arange(part.contacts) // per_blade,
         reduced_at=lambda speed: reduced_at(speed)[2],
-        build=partial(build_matrices, blades=blades, listed_at=listed_at),
+        build=partial(build_matrices, blades=blades, listed_at=listed_at, diameters=diameters),
         kept=KeptModes(
             rotor=np.arange(len(copies) * len(reduced.frequency)),
             casing=np.arange(len(ring.reduced_casing.frequency)),
@@ -165,6 +171,7 @@ def _reduced_at(
     highest: float,
     blades: bool,
     listed_at: float | None,
+    diameters: Collection[int] | None,
     omega: float,
     others: Sequence[float] = (),
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
@@ -177,6 +184,7 @@ def _reduced_at(
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
         blades: whether the stiffness of equal blades is needed.
         listed_at: see `wheel_over_speeds`.
+        diameters: see `build_matrices`.
         omega: speed [rad/s].
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `massless` and `consistent`.
@@ -188,7 +196,10 @@ def _reduced_at(
     if table.kind == "sector" and reduction.boundary == "massless":
         speeds = omega, highest
         found = wheel_of_sectors(
-            case, part, speeds, factor, others, blades=blades, listed_at=listed_at
+            *(case, part, speeds, factor, others),
+            blades=blades,
+            listed_at=listed_at,
+            diameters=diameters,
         )
         return part, *found
     root, slower, effects = None, list[Superelement](), case.rotation.effects

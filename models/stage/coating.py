@@ -213,6 +213,12 @@ def spacing(places: FloatArray) -> FloatArray:
     return np.asarray(parts[np.argsort(order, kind="stable")])
 
 
+def track_edges(places: FloatArray) -> FloatArray:
+    """Return the limits of the tracks at ascending places on a line [m], (tracks + 1,): the middles
+    between them, and the first and the last place; the lengths are those of `spacing`."""
+    return np.concatenate([places[:1], 0.5 * (places[1:] + places[:-1]), places[-1:]])
+
+
 def axial_tracks(axial: FloatArray, radius: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the different axial positions of contact nodes [m], (tracks,), ascending, and the
     number of the position at which each node is, (nodes,).

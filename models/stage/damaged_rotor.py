@@ -116,10 +116,13 @@ def damaged_rotor(
         contact_dofs=number[first.contact_dofs],
         hub_dofs=number[hub_of(first)],
     )
-    lost = np.all(rest.contact_dofs == FIXED, axis=1) & np.any(first.contact_dofs != FIXED, axis=1)
+    lost = np.zeros(whole.rotor.contacts, dtype=bool)  # none of further wheels
+    lost[: first.contacts] = np.all(rest.contact_dofs == FIXED, axis=1)
+    lost[: first.contacts] &= np.any(first.contact_dofs != FIXED, axis=1)
     inner = np.searchsorted(inner_dofs(first), np.setdiff1d(remaining, hub_of(first)))
     kept = np.concatenate([inner, np.arange(first.size - HUB, whole.rotor.size)])
-    on_line, u = prepared(line_rotor(line, [rest, *others])), _steady(whole, omega)[kept]
+    damaged_line = line_rotor(line, [rest, *others])._replace(rigid=None)
+    on_line, u = prepared(damaged_line), _steady(whole, omega)[kept]
     rotor: Any = on_line.rotor
     turned = rigid_motions(rest)[:, -1]
     grown = (2.0 * rotor.centrifugal_load - rotor.stiffness_speed @ u) @ u

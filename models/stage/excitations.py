@@ -110,18 +110,18 @@ def _(load: Imbalance, stage: Stage) -> tuple[Load, ...]:
 
 @modal_loads.register
 def _(load: Harmonic, stage: Stage) -> tuple[Load, ...]:
-    """Return the loads of a harmonic force at the centre.
+    """Return the loads of a harmonic force.
 
     A force F cos(omega t) along the static x axis is F cos(omega t) (cos Omega t, -sin Omega t) in
     rotating axes. Along each rotating axis this is the sum of two cosines of amplitude F / 2 with
     the frequencies Omega + omega and Omega - omega; along y their phase is pi / 2.
     """
-    still, omega = stage.casing_rest, 2.0 * np.pi * load.frequency
+    still, omega, rows = stage.casing_rest, 2.0 * np.pi * load.frequency, stage.pushed(load)
     if load.frame == "rotating":
-        return (Load(rotor=load.force * stage.rotor.centre[X], casing=still, frequency=omega),)
+        return (Load(rotor=load.force * rows[X], casing=still, frequency=omega),)
     return tuple(
         Load(
-            rotor=0.5 * load.force * stage.rotor.centre[axis],
+            rotor=0.5 * load.force * rows[axis],
             casing=still,
             frequency=beat if stage.case.march.varies else stage.speed + beat,
             order=float(stage.case.march.varies),
@@ -242,7 +242,8 @@ def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
     Raises:
         CaseError: there is no such mode.
     """
-    modes, nodal = stage.casing_modes, stage.reduced_casing.nodal
+    modes = stage.casing_modes  # masses of supports follow them
+    nodal = stage.reduced_casing.nodal[..., : stage.reduced_casing.wall_modes]
     wall = nodal[:, W]
     cosine = np.cos(k * stage.casing.mesh.angles) @ wall
     positions = np.flatnonzero(

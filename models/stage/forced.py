@@ -116,11 +116,20 @@ def forced(stage: Stage, loads: EngineOrders, omegas: Sequence[float]) -> Iterat
     check_forced(stage)
     stage.check_speed(max(omegas, key=abs))
     made = forced_rotor(stage, loads)
+    if (diameters := _diameters(loads, stage.blade_angle.size)) is not None:
+        stage = stage.of_diameters(diameters)
     for omega in omegas:
         own = stage.at(omega)
         if own is not stage:  # the bladed disk depends on the speed
             made = forced_rotor(own, loads)
         yield made
+
+
+def _diameters(loads: EngineOrders, blades: int) -> set[int] | None:
+    """Return the nodal diameters of the forces on equal blades; None if the forces differ."""
+    if any(load.factors or np.ndim(load.phase) for load in loads):
+        return None
+    return {min(order % blades, -order % blades) for order in orders_of(loads)}
 
 
 def forced_rotor(stage: Stage, loads: EngineOrders) -> ForcedRotor:
@@ -134,10 +143,20 @@ def forced_rotor(stage: Stage, loads: EngineOrders) -> ForcedRotor:
     return ForcedRotor(
         rotor=stage.rotor,
         forces=forces,
-        tips=blade_means(stage.blade),
+        tips=_tip_means(stage),
         static=static,
         has_centre=stage.has_centre,
     )
+
+
+def _tip_means(stage: Stage) -> FloatArray:
+    """Return `ForcedRotor.tips`: nodes of joints are not at the tips, unless all nodes are."""
+    every = np.arange(len(stage.blade))
+    tips = np.setdiff1d(every, stage.rotor.joined)
+    tips = tips if len(tips) else every
+    means = np.zeros((int(stage.blade.max()) + 1, len(every)))
+    means[:, tips] = blade_means(stage.blade[tips])
+    return means
 
 
 def check_forced(stage: Stage) -> None:

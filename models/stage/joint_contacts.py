@@ -39,16 +39,21 @@ class JointContacts:
     def damper_rows(self) -> FloatArray:
         """Matrix from the displacements of all dampers to the values of all pairs, (3 pairs,
         3 dampers)."""
-        rows = np.zeros((3 * len(self.damper), 3 * len(self.mobility)))
-        for pair in np.flatnonzero(self.damper >= 0):
-            own = 3 * self.damper[pair]
-            rows[3 * pair : 3 * pair + 3, own : own + 3] = self.axes[pair, 1]
-        return rows
+        return damper_rows(self.damper, self.axes)
 
     def rows(self, nodes: int) -> sp.csr_array:
         """Return the matrix from the displacements of a number of nodes to the values of all pairs,
         (3 pairs, 3 nodes)."""
         return rows_of(self.ends, self.axes, nodes)
+
+
+def damper_rows(damper: IntArray, axes: FloatArray) -> FloatArray:
+    """Return `JointContacts.damper_rows` of pairs with given dampers and axes."""
+    rows = np.zeros((3 * len(damper), 3 * (int(damper.max(initial=-1)) + 1)))
+    for pair in np.flatnonzero(damper >= 0):
+        own = 3 * damper[pair]
+        rows[3 * pair : 3 * pair + 3, own : own + 3] = axes[pair, 1]
+    return rows
 
 
 def rows_of(ends: IntArray, axes: FloatArray, nodes: int) -> sp.csr_array:

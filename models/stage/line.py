@@ -18,6 +18,7 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.shaft_line.line import line_model
 from bladewhirl.models.shaft_line.reduced import ReducedLine, reduced_line
 from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
+from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.kept_modes import KeptModes
 from bladewhirl.models.stage.on_line import StageOnLine, with_supports
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
@@ -132,7 +133,7 @@ class LineStage(StageOnLine):
             sliding="permanent",
             tip_rotation=False,
             displacement_limit=self.displacement_limit,
-            loads=self.own_loads,
+            loads=(*excitation_loads(self), *self.own_loads),
             start=self.start,
             bearings=self.bearings,
         )

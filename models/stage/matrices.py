@@ -1,8 +1,8 @@
 """The stage of a superelement: the matrices of a file, reduced."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,12 @@ class Matrices(Stage):
             at_speed = {"march.speed": omega / self.reference_frequency}
             stage = self.build(with_values(self.case, at_speed), self)
         return replace(stage, omega=omega)
+
+    def of_diameters(self, diameters: Collection[int]) -> "Matrices":
+        if self.table.kind != "sector" or self._differ:
+            return self
+        build: Any = self.build
+        return replace(self, build=partial(build, diameters=diameters))
 
     @property
     def copies(self) -> int:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg as la
-from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate
@@ -206,6 +205,8 @@ class MatrixDisk(ModalDisk):
         return (rotate(waves.real, angle) + 1j * rotate(waves.imag, angle)).reshape(-1, 3)
 
     def arrays(self, modes: ListedModes, numbers: IntArray, wall: Mapping[str, Any]) -> StageArrays:
+        from scipy.spatial import KDTree  # long to load
+
         fields, stage = modes.real_fields(self.points(modes, numbers)), self.stage.shown_arrays
         first = np.full(len(stage.blade), True)
         if len(stage.copy_angle) > 1:

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.excitation import Harmonic
 from bladewhirl.models.case.shaft_line import NONE
 from bladewhirl.models.shaft_line.line import LineModel, parts
 from bladewhirl.models.stage.bearings import Bearings, ShaftLineMotion
@@ -100,6 +101,14 @@ class StageOnLine(Stage):
     def forces_on_line(self, force: ComplexArray) -> FloatArray:
         """Return the modal forces of forces x + i y and moments on the nodes, (nodes, 2)."""
         return np.asarray(np.einsum("np,npm->m", force, self.line_nodes.conj()).real)
+
+    def pushed(self, load: Harmonic) -> FloatArray:
+        wheel, place = self.line.table.wheel, load.position
+        if place is None:
+            assert wheel is not None  # else the case gives the position
+            place = wheel.position
+        moved = self.line_nodes[self.line.node(place), 0]
+        return np.stack([moved.real, moved.imag])
 
     @cached_property
     def own_loads(self) -> tuple[Load, ...]:

@@ -5,18 +5,20 @@ which the rotation acts in full. Its modes contain the static displacements by f
 bearings. Contact nodes are those of the wheel of [bladed_disk].
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.analysis import MODES
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault, faults_at, with_values
-from bladewhirl.models.case.superelement import SOURCE
+from bladewhirl.models.case.shaft_line import WheelWall
+from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.shaft_line.line import LineModel, line_model
@@ -29,6 +31,7 @@ from bladewhirl.models.shaft_line.rotor import (
 )
 from bladewhirl.models.stage.blade_loss import recess_without
 from bladewhirl.models.stage.build_matrices import other_speeds
+from bladewhirl.models.stage.cone import slopes
 from bladewhirl.models.stage.contact_problem import ContactProblem, LostBlades
 from bladewhirl.models.stage.damaged_rotor import (
     DamagedRotor,
@@ -44,6 +47,7 @@ from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.speed_change import with_drive, with_rotation
 from bladewhirl.models.stage.varying_speed import SpeedChange
+from bladewhirl.models.superelements.free_motions import SLOWEST, FreeMotions
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     boundary_size,
@@ -67,9 +71,11 @@ class RotorOnLine(StageOnLine, Matrices):
     wheels: tuple[Superelement, ...]  #: its wheels with their hubs
 
     def with_case(self, case: Case) -> "RotorOnLine":
-        if case.march.varies:  # the modes are those of all its speeds
+        case = case.in_seconds(self.reference_frequency)
+        # The modes are those of all speeds, and keep the momentum in steps of a length.
+        if case.march.varies or case.march.time_step != self.case.march.time_step:
             return build_rotor_on_line(case, self.ring)
-        return replace(self, case=case.in_seconds(self.reference_frequency))
+        return replace(self, case=case)
 
     def at(self, omega: float) -> "RotorOnLine":
         at_speed = {"march.speed": omega / self.reference_frequency}
@@ -111,6 +117,58 @@ class RotorOnLine(StageOnLine, Matrices):
     @property
     def weight_rows(self) -> FloatArray:
         return self.part.weight_rows @ self._shapes
+
+    @property
+    def slope(self) -> float | FloatArray:
+        first = slopes(self.case.casing, self._each(self.axial_position)[0])
+        return self._by_wheel(first, [wall.slope for wall in self._walls])
+
+    @property
+    def recess(self) -> FloatArray:
+        """See `Matrices.recess`; that of further wheels also has the difference of the clearances
+        of their walls from that of the first."""
+        first, radius = self.case.casing.clearance, self.part.contact_radius
+        further = [
+            wall.clearance - first + (0.0 if wall.radius is None else wall.radius - own)
+            for wall, own in zip(self._walls, self._each(radius)[1:], strict=True)
+        ]
+        return np.asarray(self._by_wheel(self._each(super().recess)[0], further))
+
+    @property
+    def _walls(self) -> list[WheelWall]:
+        """Walls of further wheels."""
+        further = self.line.table.walls.values()
+        return [one.casing for one in further if one.casing is not None]
+
+    def _each(self, values: FloatArray) -> list[FloatArray]:
+        """Return the values of the contact nodes of each wheel that has a wall."""
+        return np.split(values, np.cumsum(self.part.wheel_nodes)[:-1])
+
+    def _by_wheel(
+        self, first: float | FloatArray, further: Sequence[float | FloatArray]
+    ) -> float | FloatArray:
+        """Return values of all contact nodes, (nodes,), from those of each wheel; the first ones if
+        they are one number for all."""
+        if np.ndim(first) == 0 and all(np.ndim(one) == 0 and one == first for one in further):
+            return first
+        each = zip((first, *further), self.part.wheel_nodes, strict=True)
+        return np.concatenate([np.broadcast_to(one, count) for one, count in each])
+
+    def clearance_key(self, node: int) -> str:
+        wheel = int(np.searchsorted(np.cumsum(self.part.wheel_nodes), node, side="right"))
+        keys = [f"shaft_line.{key}.clearance" for key in self.line.table.walls]
+        return ["casing.clearance", *keys][wheel]
+
+    def unit_forces(self, load: EngineOrder) -> FloatArray:
+        return self._on_first(super().unit_forces(load))
+
+    def static_answer(self, load: EngineOrder) -> FloatArray:
+        return self._on_first(super().static_answer(load))
+
+    def _on_first(self, forces: FloatArray) -> FloatArray:
+        """Return the forces of an engine order, which acts on the blades of the first wheel."""
+        first = np.arange(len(forces)) < self.table.copies
+        return np.asarray(np.where(first[:, None], forces, 0.0))
 
     @property
     def inertia(self) -> float:
@@ -206,6 +264,12 @@ class RotorOnLine(StageOnLine, Matrices):
     def own_properties(self) -> dict[str, Any]:
         return {"modes": self.reduced.size, "copies": self.table.copies}
 
+    @property
+    def attributes(self) -> Mapping[str, str | float | int]:
+        if not self._walls:
+            return super().attributes
+        return {**super().attributes, "first_wheel_blades": self.table.copies}
+
     def own_hints(self) -> Iterator[str]:
         """Yield a warning if what the drive turns rigidly has almost no inertia."""
         drive = self.case.march.drive
@@ -229,11 +293,13 @@ class RotorOnLine(StageOnLine, Matrices):
         wall, kept = self.ring.reduced_casing, np.arange(self.reduced_casing.wall_modes)
         shown = replace(self, reduced_casing=wall, kept=replace(self.kept, casing=kept))
         arrays = super(RotorOnLine, shown).shown_arrays
-        table = self.line.table
+        table, hub = self.line.table, self.wheels[0].hub_position
+        assert hub is not None
         return replace(
             arrays,
             shaft_position=self.line.position,
             shaft_radius=self.line.outer_radius,
+            wheel_origin=float(self.line.position[self.line.wheels[0].node] - hub[2]),
             bearing_name=table.named(),
             bearing_node=np.array([self.line.node(each.position) for each in table.bearings]),
         )
@@ -255,6 +321,7 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
         line = line_model(case)
         tables = (table, *(one.superelement for one in line.table.wheels))
         wheels = tuple(wheel_with_hub(one.with_hub, one.copies) for one in tables)
+        case = case.in_seconds(line.reference_frequency)
         on_line = _prepared(case, line, line_rotor(line, wheels))
         reduced_at = partial(_reduced_at, case, on_line)
         others = other_speeds(case, line.reference_frequency)
@@ -264,7 +331,7 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
     ring, rotor = stage_casing(case) if ring is None else ring, on_line.rotor
     wall = with_supports(ring.reduced_casing, line.table.supports)
     return RotorOnLine(
-        case=case.in_seconds(line.reference_frequency),
+        case=case,
         casing=ring.casing,
         casing_modes=ring.casing_modes,
         reduced_casing=wall,
@@ -279,7 +346,7 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
         reduced=reduced,
         reduced_at=reduced_at,
         build=build_rotor_on_line,
-        blade=np.arange(rotor.contacts) // (rotor.contacts // table.copies),
+        blade=_blades(rotor.wheel_nodes, _rubbing(case)),
         kept=KeptModes(
             rotor=np.arange(reduced.size),
             casing=np.arange(len(wall.frequency)),
@@ -287,6 +354,20 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
             springs=None,
         ),
     )
+
+
+def _rubbing(case: Case) -> list[SuperelementTable]:
+    """Return the tables of the wheels that have a wall, first that of [bladed_disk]."""
+    assert case.shaft_line is not None
+    further = case.shaft_line.walls.values()
+    return [case.bladed_disk.matrices, *(one.superelement for one in further)]
+
+
+def _blades(nodes: Sequence[int], tables: Sequence[SuperelementTable]) -> IntArray:
+    """Return the number of the blade of each contact node, counted on from wheel to wheel."""
+    counts = [table.copies for table in tables]
+    each = [first // count for first, count in zip(nodes, counts, strict=True)]
+    return np.repeat(np.arange(sum(counts)), np.repeat(each, counts))
 
 
 def _prepared(case: Case, line: LineModel, on_line: OnLine) -> OnLine:
@@ -333,10 +414,13 @@ def _reduced_at(
     other speeds that `massless` adds."""
     root, forces, reduction = on_line.damping, on_line.forces, case.reduction
     part, *slower = (on_line.rotor.at(speed) for speed in (omega, *others))
+    angle, free = abs(omega) * case.march.time_step, None
+    if on_line.rigid is not None and angle > SLOWEST:
+        free = FreeMotions(on_line.rigid, angle)
     if reduction.boundary == "massless":
         modes = min(reduction.free_interface_modes, part.size - 1)
-        return massless(part, modes, root, slower, forces)
+        return massless(part, modes, root, slower, forces, free)
     kept = reduction.fixed_interface_modes
     if kept == MODES:  # the default: all modes of a small superelement
         kept = min(kept, part.size - boundary_size(part))
-    return consistent(part, kept, kept, root, slower, forces)
+    return consistent(part, kept, kept, root, slower, forces, free)

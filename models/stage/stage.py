@@ -5,7 +5,7 @@ It has two sources: finite elements of beams (`beams`), and the matrices of a fi
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.excitation import EngineOrder, Harmonic
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.modal.stage_arrays import StageArrays
@@ -89,6 +89,11 @@ class Stage(Ring, ABC):
     def at(self, omega: float) -> "Stage":
         """Return the stage at another speed of rotation [rad/s]."""
 
+    def of_diameters(self, diameters: Collection[int]) -> "Stage":
+        """Return a stage that need have only the modes of some nodal diameters at other speeds, see
+        `at`; those of superelements that are equal sectors then take less time."""
+        return self
+
     def check_speed(self, omega: float) -> None:
         """Check that the structure is stable at a speed of rotation [rad/s].
 
@@ -143,6 +148,10 @@ class Stage(Ring, ABC):
         kept = self.kept
         rotor, casing = self.rotor.take(kept.rotor), self.reduced_casing.take(kept.casing)
         return in_cone(rotor, casing, self.slope)
+
+    def clearance_key(self, node: int) -> str:
+        """Return the key of the clearance of a contact node of a copy."""
+        return "casing.clearance"
 
     @property
     def slope(self) -> float | FloatArray:
@@ -201,6 +210,11 @@ class Stage(Ring, ABC):
         """
         rotor = self.rotor
         return rotor.at_tips(rotor.tip_radial, (along @ rotor.centre) / rotor.stiffness)
+
+    def pushed(self, load: Harmonic) -> FloatArray:
+        """Return the modal forces of unit forces along x and y of rotating axes where a harmonic
+        force acts [kg^-1/2], (2, modes)."""
+        return self.rotor.centre
 
     @abstractmethod
     def unit_forces(self, load: EngineOrder) -> FloatArray:

@@ -4,7 +4,7 @@ Points of a sweep share what does not depend on the speed: superelements that ar
 range of speeds, and the modes at rest of the damping.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -122,6 +122,7 @@ def wheel_of_sectors(
     *,
     blades: bool = False,
     listed_at: float | None = None,
+    diameters: Collection[int] | None = None,
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
 
@@ -134,6 +135,7 @@ def wheel_of_sectors(
             `further_modes.further`.
         blades: whether the stiffness of equal blades is needed, see `wheel_over_speeds`.
         listed_at: see `wheel_over_speeds`.
+        diameters: see `WheelOverSpeeds.at`.
     """
     table = case.bladed_disk.matrices
     mistuned = case.bladed_disk.mistuning.is_given(table.copies)
@@ -141,7 +143,7 @@ def wheel_of_sectors(
         part = replace(part, blade_stiffness=None)
     omega, highest = speeds
     wheel = wheel_over_speeds(case, part, highest, listed_at)
-    return wheel.at(omega, factor if mistuned else None, others)
+    return wheel.at(omega, factor if mistuned else None, others, diameters)
 
 
 def wheel_over_speeds(

@@ -60,6 +60,11 @@ class ReducedCasing:
         return self.wall_modes > 0
 
     @property
+    def wall(self) -> "ReducedCasing":
+        """The casing without supports."""
+        return replace(self.take(np.arange(self.wall_modes)), supports=0)
+
+    @property
     def angle(self) -> FloatArray:
         """Angle of each node from +x [rad], (nodes,)."""
         nodes = len(self.nodal)

@@ -7,9 +7,8 @@ forces is determined.
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
-from bladewhirl.meshes.coincident import COINCIDENT, places_of
+from bladewhirl.meshes.coincident import COINCIDENT, near_pairs, places_of
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
@@ -25,7 +24,8 @@ def on_next_sector(position: FloatArray, sectors: int) -> BoolArray:
         sectors: number of sectors.
     """
     back = rotate(position, -2.0 * np.pi / sectors)
-    return np.asarray(KDTree(position).query(back)[0] <= COINCIDENT * abs(position).max())
+    pairs = near_pairs(back, position, COINCIDENT * float(abs(position).max()))
+    return np.isin(np.arange(len(position)), pairs[:, 0])
 
 
 def with_single_contacts(part: Superelement, kind: str, copies: int) -> Superelement:

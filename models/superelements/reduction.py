@@ -16,8 +16,8 @@ from one static solution for each contact displacement, so that it includes all 
 nodes have mass, and C is zero.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -29,6 +29,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.diameters import turned_to_diameters
+from bladewhirl.models.superelements.free_motions import FreeMotions
 from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
 from bladewhirl.models.superelements.solver import MatrixPencil, announce
 from bladewhirl.models.superelements.stresses import (
@@ -140,6 +141,7 @@ def massless(
     root: "Root | None" = None,
     others: Sequence[Superelement] = (),
     forces: FloatArray | None = None,
+    free: FreeMotions | None = None,
 ) -> ReducedSuperelement:
     """Return the lowest free-interface modes with the residual flexibility of the contact nodes.
 
@@ -161,6 +163,8 @@ def massless(
     own, loads = loads.shape[1], _with(loads, forces)
     squares, shapes, moved = modes_and_static(part, modes, loads)
     check_count(len(squares), modes)
+    if free is not None:
+        shapes, moved = free.within(part.mass, squares, shapes, moved, loads)
     shapes = turned_to_diameters(squares, shapes, rows @ shapes, part.contact_angle)
     elastic = np.abs(squares) > rigid_limit(part)
     kept = rows @ shapes[:, elastic]
@@ -176,6 +180,13 @@ def massless(
         squares, shapes = np.concatenate([squares, stiff]), np.hstack([shapes, added])
         elastic = np.abs(squares) > rigid_limit(part)
         kept = rows @ shapes[:, elastic]
+    changes = dict[str, FloatArray]()
+    if free is not None:
+        squares, shapes, moved, changes = free.settled(part, shapes, moved)
+        compliance = np.asarray(rows @ moved[:, : 3 * part.contacts])
+        compliance = 0.5 * (compliance + compliance.T)
+        elastic = np.abs(squares) > rigid_limit(part)
+        kept = rows @ shapes[:, elastic]
     static = np.diag(compliance)[::3] + ((kept**2) @ (1.0 / squares[elastic]))[::3]
     if not la.eigvalsh(compliance[::3, ::3])[0] > ENOUGH * static.max():
         expected = (
@@ -183,7 +194,8 @@ def massless(
             " contact nodes a radial flexibility"
         )
         raise SuperelementError(Fault(expected=expected))
-    return _reduced(part, squares, shapes, moved[:, :own], compliance, len(squares), root)
+    reduced = _reduced(part, squares, shapes, moved[:, :own], compliance, len(squares), root)
+    return _changed(reduced, changes)
 
 
 def _with(loads: FloatArray, forces: FloatArray | None) -> FloatArray:
@@ -226,6 +238,7 @@ def consistent(
     root: "Root | None" = None,
     others: Sequence[Superelement] = (),
     forces: FloatArray | None = None,
+    free: FreeMotions | None = None,
 ) -> ReducedSuperelement:
     """Return all modes of the Craig-Bampton model whose boundary are contact nodes and centre.
 
@@ -237,6 +250,7 @@ def consistent(
         others: the structure at other speeds, see `massless`; the basis then also has what
             `massless` adds.
         forces: see `massless`.
+        free: see `massless`.
 
     Raises:
         SuperelementError: `fixed_interface_modes` is larger than the number of coordinates that are
@@ -270,15 +284,27 @@ def consistent(
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
     compliance = np.zeros((3 * part.contacts, 3 * part.contacts))
-    shapes, elastic = basis @ vectors, squares > rigid_limit(part)
+    shapes, changes = basis @ vectors, dict[str, FloatArray]()
     shapes = turned_to_diameters(squares, shapes, part.contact_rows @ shapes, part.contact_angle)
+    if free is not None:
+        nothing = np.zeros((part.size, 0))
+        shapes, _ = free.within(mass, squares, shapes, nothing, nothing)
+        squares, shapes, _, changes = free.settled(part, shapes, nothing)
+    elastic = squares > rigid_limit(part)
     # Contact forces act on modes only; the boundary moves as in these under any static load.
     still, loads = np.zeros((part.size, 3 * part.contacts)), part.loads
     rest = np.zeros(loads.shape)
     if part.stress_recovery is not None and loads.shape[1]:
         rest = _static_rest(part, loads, shapes[:, elastic], squares[elastic])
     moved = np.hstack([still, rest])
-    return _reduced(part, squares, shapes, moved, compliance, kept, root)
+    return _changed(_reduced(part, squares, shapes, moved, compliance, kept, root), changes)
+
+
+def _changed(
+    reduced: ReducedSuperelement, changes: Mapping[str, FloatArray]
+) -> ReducedSuperelement:
+    known: dict[str, Any] = {name: reduced.known(name) + change for name, change in changes.items()}
+    return replace(reduced, **known)
 
 
 def _static_rest(

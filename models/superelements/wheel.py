@@ -1,6 +1,6 @@
 """A wheel from one sector: real modes and residual flexibility, by nodal diameter."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.coincident import COINCIDENT, places_of
+from bladewhirl.meshes.coincident import COINCIDENT, near_pairs
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.errors import Fault
@@ -36,6 +36,7 @@ from bladewhirl.models.superelements.reduction import (
     check_count,
     root_of,
 )
+from bladewhirl.models.superelements.sector import sector_errors
 from bladewhirl.models.superelements.stresses import RECOVERED, ReducedStress
 from bladewhirl.models.superelements.superelement import (
     FIXED,
@@ -125,7 +126,11 @@ class WheelOverSpeeds:
         self.blocks = [restored(NodalBlock, each) for each in parts[: sectors // 2 + 1]]
 
     def at(
-        self, omega: float, factor: FloatArray | None = None, others: Sequence[float] = ()
+        self,
+        omega: float,
+        factor: FloatArray | None = None,
+        others: Sequence[float] = (),
+        diameters: Collection[int] | None = None,
     ) -> tuple[Superelement, ReducedSuperelement]:
         """Return the contact nodes of the wheel and its reduction at a speed.
 
@@ -133,6 +138,7 @@ class WheelOverSpeeds:
             omega: speed of rotation [rad/s].
             factor: factor on the stiffness of each blade, (sectors,); None if blades are equal.
             others: other speeds, see `_of_block`; none if blades differ.
+            diameters: nodal diameters whose modes are needed; all by default, and if blades differ.
 
         Returns:
             a superelement with the contact nodes and the points of the wheel, whose coordinates are
@@ -143,7 +149,12 @@ class WheelOverSpeeds:
         """
         sectors, modes = self._sectors, self._modes
         if factor is None:
-            waves = [_of_block(block, omega, modes, others=others) for block in self.blocks]
+            waves = [
+                _of_block(block, omega, modes, others=others)
+                if diameters is None or k in diameters
+                else _without_modes(block, omega)
+                for k, block in enumerate(self.blocks)
+            ]
             return _expanded(self._part, sectors, waves)
         waves = [_of_block(block, omega, modes, static=True) for block in self.blocks]
         wheel, reduced = _expanded(self._part, sectors, waves)
@@ -338,6 +349,27 @@ def _of_block(
     )
 
 
+def _without_modes(block: NodalBlock, omega: float) -> ReducedWave:
+    """Return no modes of a block at a speed [rad/s], and no flexibility of its contact nodes.
+
+    Raises:
+        IndefiniteError: the stiffness is not positive definite at this speed.
+    """
+    with sector_errors(RIGID_SECTOR):
+        la.cholesky(block.stiffness_at(omega))  # it must be as stable as the other ones
+    forces, none = len(block.contact), np.zeros((block.size, 0), dtype=np.complex128)
+    rows = {name: np.zeros((len(getattr(block, name)), forces), complex) for name in RECOVERED}
+    return ReducedWave(
+        squares=np.zeros(0),
+        shapes=none,
+        block=block.at(omega).on(none),
+        by_force=rows,
+        residual=np.zeros((forces, forces), dtype=np.complex128),
+        steady=np.zeros(0),
+        root=None if block.stiffness_speed is None else np.zeros((0, 0), dtype=np.complex128),
+    )
+
+
 def _on_waves(matrix: ComplexArray, *, pair: bool) -> FloatArray:
     """Return a matrix of the complex amplitudes of one nodal diameter as a matrix of its real
     modes: those of the cosine, then those of the sine if it has two waves."""
@@ -431,8 +463,8 @@ def _wheel(part: Superelement, spread: FloatArray, squares: FloatArray) -> Super
 def _outside(triangles: IntArray, points: FloatArray) -> IntArray:
     """Return the triangles (triangle, 3) of a sector that do not lie on a face of which the next or
     the previous sector has all points, for the points of all sectors (sector, point, 3) [m]."""
-    flat = points.reshape(-1, 3)
-    place = places_of(flat, COINCIDENT * float(np.ptp(flat))).reshape(len(points), -1)
-    faces = [np.isin(place[0], place[neighbour]) for neighbour in (1, -1)]
-    inside = np.any([face[triangles].all(axis=1) for face in faces], axis=0)
+    distance, inside = COINCIDENT * float(np.ptp(points)), np.full(len(triangles), False)
+    for neighbour in points[1], points[-1]:
+        face = np.isin(np.arange(len(neighbour)), near_pairs(points[0], neighbour, distance)[:, 0])
+        inside |= face[triangles].all(axis=1)
     return np.asarray(triangles[~inside])

@@ -1,5 +1,6 @@
 """Amplitude of a run over time, with its growth rate and the uncertainty of the growth rate."""
 
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import in_window
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
+
+LETTERS = 50  #: largest number of letters in a line below the figure
 
 
 def amplitude_growth(
@@ -158,7 +161,8 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     if growth.attrs["slows"]:
         end = rate_text(growth.attrs["end_rate"], growth.attrs["end_error"])
         words.append(f"at the end {end} 1/s")
-    misfits.set_xlabel("\n".join([misfits.get_xlabel(), *words]))
+    lines = [textwrap.fill(each, LETTERS) for each in words]
+    misfits.set_xlabel("\n".join([misfits.get_xlabel(), *lines]))
     head(figure, growth, growth.attrs["regime"])
     figure.legend(loc="outside lower center", ncols=2)
     return figure

@@ -34,6 +34,15 @@ def blade_count(dataset: xr.Dataset) -> int:
     return len(blade_starts(dataset))
 
 
+def of_first_wheel(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result with the contact nodes of the first of several wheels on a shaft line, which
+    pictures show; other results as they are."""
+    blades = dataset.attrs.get("first_wheel_blades")
+    if blades is None:
+        return dataset
+    return dataset.isel(contact_node=dataset["blade"].values < int(blades))
+
+
 def of_blades(dataset: xr.Dataset, values: Array, choice: np.ufunc = np.add) -> Array:
     """Return the sum of values (..., contact_node) over the contact nodes of each blade, (...,
     blade); the smallest or largest value with `numpy.minimum` or `numpy.maximum`. A shaft line
@@ -66,7 +75,9 @@ def blade_radii(dataset: xr.Dataset) -> Array:
 
 def diameter_shares(dataset: xr.Dataset) -> Array:
     """Return the share of each nodal diameter in the motion of the tips in each rotor mode,
-    (rotor_mode, nodal_diameter); an engine order r excites the diameter of `aliased`."""
+    (rotor_mode, nodal_diameter); an engine order r excites the diameter of `aliased`. Of several
+    wheels on a shaft line they are those of the first one."""
+    dataset = of_first_wheel(dataset)
     blades = blade_count(dataset)
     rows = np.moveaxis(tip_rows(dataset), 1, 0).reshape(blades, -1, dataset.sizes["rotor_mode"])
     power = np.sum(np.abs(np.fft.fft(rows, axis=0)) ** 2, axis=1).T

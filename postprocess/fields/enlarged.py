@@ -27,7 +27,7 @@ import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.models.case.casing import Casing
-from bladewhirl.models.stage.coating import axial_tracks
+from bladewhirl.models.stage.coating import axial_tracks, track_edges
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
@@ -210,7 +210,7 @@ class EnlargedStage(EnlargedWall):
         """Return distances at all points (point,) that grow along the radius of each blade from
         zero to `whole` (blade,), so that the blade is shortened evenly."""
         radius, along = np.hypot(*self.body.rest[:, :2].T), np.zeros(len(self.body.rest))
-        for blade in np.flatnonzero(whole):
+        for blade in np.intersect1d(np.flatnonzero(whole), self.body.blade):
             own = self.body.blade == blade
             root, tip = radius[own].min(), radius[own].max()
             along[own] = whole[blade] * (radius[own] - root) / (tip - root)
@@ -273,7 +273,7 @@ class EnlargedStage(EnlargedWall):
         )
         ends = np.array([first, last])
         if len(axial) > 1:
-            ends = np.concatenate([axial[:1], 0.5 * (axial[1:] + axial[:-1]), axial[-1:]])
+            ends = track_edges(axial)
         strips = list(zip(range(len(axial)), ends[:-1].tolist(), ends[1:].tolist(), strict=True))
         beside = [(-1, first, float(ends[0])), (-1, float(ends[-1]), last)]
         return [*strips, *(each for each in beside if each[1] < each[2])]

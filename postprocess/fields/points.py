@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import absent
 from bladewhirl.meshes.plane import directions, rotate
@@ -187,6 +186,8 @@ def _of_solids(dataset: xr.Dataset) -> Points:
         )
     if not has(dataset, "points"):
         raise ViewError(NO_POINTS)
+    from scipy.spatial import KDTree  # long to load
+
     points, copies = dataset.sizes["point"], dataset.sizes["copy"]
     angle = dataset["copy_angle"].values
     rest = rotate(dataset["point"].values, angle[:, None]).reshape(-1, 3)

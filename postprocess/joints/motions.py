@@ -3,13 +3,11 @@
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.plotting.axes import blade_axis, draw_map
+from bladewhirl.postprocess.plotting.axes import blade_axis, draw_states
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOUR_MAPS,
@@ -23,8 +21,6 @@ from bladewhirl.postprocess.plotting.titles import set_title
 
 TOP = 1.15  #: upper end of the axis of amplitudes, relative to the largest one
 SHOWN = 5  #: largest number of speeds whose loops are drawn
-STATES = {"open": "white", "stuck": COLOURS["rest"], "slipping": COLOURS["k = 1"]}
-"""Colours of the states, in the order of their numbers."""
 
 
 @styled
@@ -55,32 +51,28 @@ def plot_joints(data: xr.Dataset) -> Figure:
     turn = 60.0 / abs(float(data["rpm"][largest]))
     ahead = turn / float(data["period"][largest]) * len(own) / blades
     rows = [np.roll(own, -round(ahead * blade)) for blade in range(blades)]
-    colours, edges = ListedColormap([*STATES.values()]), np.linspace(0.0, 1.0, len(own) + 1)
-    draw_map(states, edges, np.arange(blades), rows, cmap=colours, vmin=0, vmax=len(STATES) - 1)
+    edges = np.linspace(0.0, 1.0, len(own) + 1)
+    meaning = draw_states(states, edges, np.arange(blades), rows)
     blade_axis(states, blades, of_y=True)
     states.set(xlabel="share of the period", ylabel="joint after blade")
     states.set_title(f"states at {float(data['rpm'][largest]):.6g} rpm")
-    _draw_amplitudes(curve, data.isel(speed=order), data["rpm"].values[order], ".-")
+    ordered, draw = data.isel(speed=order), _draw_amplitudes if has_points(data) else _draw_shares
+    draw(curve, ordered, data["rpm"].values[order], ".-")
     curve.set_xlabel("speed [rpm]")
     curve.locator_params(axis="x", nbins=5)
     set_title(figure, str(data.attrs["case"]), "periodic motions of all blades")
-    patches = [(Patch(fc=colour, ec="black"), name) for name, colour in STATES.items()]
-    groups = [Group(each) for each in (entries_of(loops), patches, entries_of(curve))]
-    legends_below(figure, *groups)
+    legends_below(figure, Group(entries_of(loops)), meaning, Group(entries_of(curve)))
     return figure
 
 
 def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str) -> str:
-    """Draw the amplitudes of points, or without them of tips, the linear limits of the first point,
-    and motions that are not stable, over a parameter; return the unit."""
-    place = "point" if data.sizes["point"] else "tip"
-    size = np.linalg.norm(data[f"{place}_amplitude"].values, axis=-1)
+    """Draw the amplitudes of points, the linear limits of the first one, and motions that are not
+    stable, over a parameter; return the unit."""
+    size = np.linalg.norm(data["point_amplitude"].values, axis=-1)
     unit, scale = handy_unit(float(size.max(initial=0.0)), "m")
-    for number, values in zip(data[place].values.tolist(), size.T, strict=True):
-        axes.plot(over, scale * values, style, label=f"{place} {number}")
+    for number, values in zip(data["point"].values.tolist(), size.T, strict=True):
+        axes.plot(over, scale * values, style, label=f"{data.attrs['points']} {number}")
     axes.set(ylabel=f"amplitude [{unit}]")
-    if not data.sizes["point"]:
-        return unit
     limits = data["linear_limit"].isel(point=0)
     for name, dashes in zip(data["limit"].values.tolist(), ("-", "--", ":"), strict=True):
         values = scale * limits.sel(limit=name).values
@@ -92,25 +84,35 @@ def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str)
     return unit
 
 
+def _draw_shares(axes: Axes, data: xr.Dataset, over: FloatArray, style: str) -> None:
+    """Draw the shares of the period in which the joints are open and slip over a parameter."""
+    for name, label in (("share_open", "open"), ("share_slipping", "slipping")):
+        axes.plot(over, data[name].max("joint").values, style, label=label)
+    axes.set(ylabel="share of the period", ylim=(0.0, 1.0))
+
+
+def has_points(data: xr.Dataset) -> bool:
+    """Return whether the amplitudes of points are known."""
+    return bool(data.sizes["point"])
+
+
 @styled
 def plot_joint_branch(data: xr.Dataset) -> Figure:
     """Draw the amplitudes of points over a key, with the smallest one of the first point, the
     linear limits, and the shares of the period in which the joints are open and slip."""
     figure = new_figure(width=FULL_WIDTH, height=0.07)
-    curve, shares = side_by_side(figure, 2)
+    *curves, shares = side_by_side(figure, 1 + has_points(data))
     over = data["parameter"].values
-    unit = _draw_amplitudes(curve, data, over, "-")
-    if data.sizes["point"]:
+    for curve in curves:
+        unit = _draw_amplitudes(curve, data, over, "-")
         size = np.linalg.norm(data["point_amplitude"].isel(point=0).values, axis=-1)
         least, scale = int(size.argmin()), handy_unit(float(size.max()), "m")[1]
         label = f"smallest: {scale * size[least]:.4g} {unit} at {over[least]:.4g}"
         curve.plot(over[least], scale * size[least], "o", color=COLOURS["k = 1"], ms=4, label=label)
-    for name, label in (("share_open", "open"), ("share_slipping", "slipping")):
-        shares.plot(over, data[name].max("joint").values, label=label)
-    shares.set(ylabel="share of the period", ylim=(0.0, 1.0))
-    for axes in (curve, shares):
+    _draw_shares(shares, data, over, "-")
+    for axes in (*curves, shares):
         axes.set_xlabel(f"{data.attrs['key']} [{data.attrs['unit'] or '–'}]")
         axes.locator_params(axis="x", nbins=5)
     set_title(figure, str(data.attrs["case"]), "periodic motions of all blades")
-    legends_below(figure, *(Group(entries_of(axes)) for axes in (curve, shares)))
+    legends_below(figure, *(Group(entries_of(axes)) for axes in (*curves, shares)))
     return figure

@@ -1,5 +1,6 @@
 """Response to engine-order forces: amplitudes by blade and nodal diameter against speed."""
 
+from collections.abc import Sequence
 from itertools import cycle
 from typing import Any
 
@@ -21,6 +22,9 @@ SHOWN = 4  #: largest number of nodal diameters drawn in colour: those with the 
 
 OTHER_COLOURS = [COLOURS[name] for name in ("suspension", "contact", "casing", "rest")]
 """Colours of nodal diameters above 1."""
+
+LIMIT_COLOURS = [COLOURS[name] for name in ("rest", "k = 0", "contact")]
+"""Colours of the linear limits of joints: free, closed without friction, stuck."""
 
 LOWEST = 1e-4  #: smallest amplitude that is drawn, divided by the largest amplitude
 
@@ -73,9 +77,38 @@ def by_nodal_diameter(data: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(np.sqrt(both), dims=dims, coords=coords, attrs=name)
 
 
+def joined_limits(found: Sequence[xr.Dataset], names: Sequence[str]) -> xr.Dataset:
+    """Return the responses of linear limits of joints with the dimension `limit`; peaks have the
+    coordinate `peak_limit` in its place."""
+    at_speeds = [one.drop_dims("peak") for one in found]
+    peaks = [
+        one[[name for name in one.data_vars if "peak" in one[name].dims]].assign_coords(
+            peak_limit=("peak", [limit] * one.sizes["peak"])
+        )
+        for one, limit in zip(found, names, strict=True)
+    ]
+    grid = xr.concat(at_speeds, xr.Variable("limit", list(names)), coords="minimal")
+    return grid.merge(xr.concat(peaks, "peak"))
+
+
+def by_limit(data: xr.Dataset) -> dict[str, xr.Dataset]:
+    """Return the response of each linear limit of joints; without joints one without a name."""
+    if "limit" not in data.dims:
+        return {"": data}
+    return {
+        name: data.sel(limit=name).isel(peak=np.flatnonzero(data["peak_limit"].values == name))
+        for name in data["limit"].values.tolist()
+    }
+
+
 def drawn_amplitudes(data: xr.Dataset) -> xr.Dataset:
     """Return the real amplitudes that `plot_response` draws, from `bladewhirl.response`: those at
     the given speeds and at all peaks."""
+    if "limit" in data.dims:
+        each = {name: drawn_amplitudes(one) for name, one in by_limit(data).items()}
+        at = xr.Variable("limit", [*each])
+        found = xr.concat([*each.values()], at, join="outer", coords="minimal", compat="override")
+        return found.assign_attrs(data.attrs)
     every = data if "order" in data.dims else data.expand_dims("order")
     parts = []
     for order in every["order"].values.tolist():
@@ -100,8 +133,11 @@ def plot_response(data: xr.Dataset) -> Figure:
     """Draw the amplitudes of the tips from `bladewhirl.response` against the speed.
 
     Each engine order has a row. The left panel shows all blades, with the blade of the largest
-    amplitude in colour; the right panel shows the nodal diameters with the largest amplitudes.
+    amplitude in colour; the right panel shows the nodal diameters with the largest amplitudes. Of
+    linear limits of joints, one panel shows the largest amplitude of a blade.
     """
+    if "limit" in data.dims:
+        return _plot_limits(data)
     drawn = drawn_amplitudes(data)
     orders = drawn["order"].values
     figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * len(orders))
@@ -136,6 +172,27 @@ def plot_response(data: xr.Dataset) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("speed Ω / ω₁ [–]")
     set_title(figure, str(data.attrs["case"]), "Response to engine-order forces, without contact")
+    return figure
+
+
+def _plot_limits(data: xr.Dataset) -> Figure:
+    """Draw the largest amplitude of a blade in each linear limit of joints, and its peaks."""
+    figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * data["order"].size)
+    panels = figure.subplots(data["order"].size, 1, sharex=True, squeeze=False)[:, 0]
+    each = {name: drawn_amplitudes(one) for name, one in by_limit(data).items()}
+    unit, scale = handy_unit(max(float(one["amplitude"].max()) for one in each.values()), "m")
+    for axes, order in zip(panels, np.atleast_1d(data["order"].values), strict=True):
+        for (name, drawn), colour in zip(each.items(), LIMIT_COLOURS, strict=True):
+            own = drawn["amplitude"].sel(order=order).dropna("speed").max("blade")
+            values, most = scale * own.values, int(own.values.argmax())
+            label = f"{name}: {values[most]:.4g} {unit} at {float(own['rpm'][most]):.6g} rpm"
+            axes.plot(own["rpm"], values, color=colour, label=label)
+            axes.plot(own["rpm"][most], values[most], "o", color=colour, ms=4)
+        axes.set(yscale="log", ylabel=f"amplitude of the tips [{unit}]")
+        axes.set_title(f"engine order {order}, largest blade")
+        axes.legend()
+    panels[-1].set_xlabel("speed [rpm]")
+    set_title(figure, str(data.attrs["case"]), "Response with joints in their linear limits")
     return figure
 
 

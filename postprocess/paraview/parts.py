@@ -17,8 +17,11 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
+from bladewhirl.postprocess.fields.by_blade import of_first_wheel
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import contact_nodes
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
@@ -28,6 +31,7 @@ from bladewhirl.postprocess.paraview.boxes import (
     casing_boxes,
     rotor_boxes,
 )
+from bladewhirl.postprocess.paraview.shaft_line import LineGrids
 from bladewhirl.postprocess.pictures.solids import CORNERS, tube
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
@@ -38,8 +42,8 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 class StageParts:
-    """Grids of the parts `rotor`, `casing`, `contact` and, if there are any, `coating` and
-    `supports`.
+    """Grids of the parts `rotor`, `casing`, `contact` and, if there are any, `coating`, `supports`,
+    and `shaft` and `bearings` of a shaft line.
 
     Args:
         dataset: a result with a casing, see `with_wall`.
@@ -63,6 +67,7 @@ class StageParts:
         rotating: bool,
         exaggeration: float | None = None,
     ) -> None:
+        dataset = of_first_wheel(dataset)
         self._dataset, self._rotating = dataset, rotating
         self._pieces = BEAM_PIECES if surface else 1
         self._per_element = -(-ARC_POINTS // dataset.sizes["casing_node"])
@@ -91,6 +96,9 @@ class StageParts:
         self._front = np.zeros(3)
         if body.flat:  # so that arrows are visible
             self._front = float(dataset["rotor_width"].max()) / 2 * surface * UP
+        self._line: LineGrids | None = None
+        if has(dataset, "wheel"):
+            self._line = LineGrids(dataset, rotating=rotating, exaggeration=self.exaggeration)
         #: names of parts; the array `part` contains positions in this list
         self.names = [*body.parts, "casing", *HOLDERS]
         self._symbols = StageSymbols(dataset, true.angle) if body.flat else None
@@ -101,6 +109,11 @@ class StageParts:
             if self._symbols is not None
         ]
         self.grid_names = tuple(self._grids(self._still[1], 0, int(records[0])))
+
+    @property
+    def shaft(self) -> Array:
+        """Points of a shaft line at rest, without one none, (point, 3) [m]."""
+        return np.zeros((0, 3)) if self._line is None else self._line.surface.rest
 
     def tips(self, record: int) -> Array:
         """Return the drawn contact nodes at a record in rotating axes (contact_node, 3) [m]."""
@@ -124,6 +137,8 @@ class StageParts:
         }
         if self._strips:
             grids["coating"] = self._coating(stage, index, back)
+        if self._line is not None:
+            grids |= self._line.at(record)
         supports = self._supports(stage, index, wall, points[:, :2], (back, turn))
         return grids if supports is None else {**grids, "supports": supports}
 
@@ -302,6 +317,10 @@ class StageParts:
             "contact_force": force,
             "warp": rotate(stage.contact_nodes(index) + self._front - rest, turn),
         }
+        if has(dataset, "joints"):
+            for name in JOINT_FIELDS:
+                values = at_joint_nodes(dataset, name, records)[0]
+                fields[name.replace("-", "_")] = values
         cells = [("vertex", kept[:, None])]
         return meshio.Mesh(rotate(rest, turn), cells, fields, {"blade": [blade[kept]]})
 

@@ -21,17 +21,23 @@ from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.meshes.plane import directions, unit
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.by_blade import blade_count
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     contact_forces,
     frame_records,
     history,
     sampling_hint,
+    turn,
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import UP, StageParts
-from bladewhirl.postprocess.paraview.shaft_line import exaggeration_of, line_grids
-from bladewhirl.postprocess.pictures.bodies import ARC, axes_of_view, opening
+from bladewhirl.postprocess.paraview.shaft_line import (
+    LINE_PARTS,
+    LineGrids,
+    exaggeration_of,
+)
+from bladewhirl.postprocess.pictures.bodies import ARC, TOWARDS, axes_of_view, middle_of, opening
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.colouring import is_normalised, scale_end
 from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
@@ -50,6 +56,7 @@ UNITS: Mapping[str, str] = {
     "von_mises_stress": "Pa",
     "velocity": "m/s",
     "contact_force": "N",
+    **{name.replace("-", "_"): each.unit or "1" for name, each in JOINT_FIELDS.items()},
     **dict.fromkeys(("rotor", "casing", "tips", "centre", "blade"), "1"),
 }
 """Units of the arrays on points."""
@@ -96,6 +103,9 @@ def export_vtk(
       in contact.
     * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
       time between the records, as a vector (normal inward, positive friction towards -theta).
+    * on `contact`, of a run with friction joints, NaN elsewhere: `joint_force`, the normal force
+      [N], `joint_slip`, the distance since the start [m], and `joint_state`: 0 open, 1 stuck, 2
+      slipping.
     * on `coating`: `wear`, the removed depth, and `remaining_thickness` [m] to the metal, which
       tips touch where the share `limit` is removed, and the number `track`, -1 beside the tracks.
     * on cells: the numbers `part` and `blade` (-1 for no blade), and `thickness` [m].
@@ -106,8 +116,8 @@ def export_vtk(
     the exaggeration are FieldData. With
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
-    A shaft line without a wheel has the part `rotor` only, its surface with `displacement` and
-    `warp`.
+    A shaft line has the parts `shaft`, its surface, and `bearings`, rings that move with the
+    supports, with `displacement` and `warp`; without a wheel it has no others.
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
     all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
@@ -126,11 +136,12 @@ def export_vtk(
             logger.info(hint)
     if not dataset.sizes["contact_node"]:
         factor = exaggeration_of(dataset, records, exaggeration)
+        line = LineGrids(dataset, rotating=rotating, exaggeration=factor)
         return write_series(
             Path(directory),
-            ["rotor"],
+            LINE_PARTS,
             dataset["time"].values[records],
-            line_grids(dataset, records, rotating=rotating, exaggeration=factor),
+            map(line.at, records.tolist()),
             {},
             factor,
             overwrite=overwrite,
@@ -259,7 +270,12 @@ def _about(
     of the parts and where the wall is cut open."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
     moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
-    shown = int(np.argmax(force if force.any() else moved))
+    size = force if force.any() else moved
+    if blade_count(dataset) == 1 and not rotating:  # not below the part of the wall that is whole
+        ahead = opening(unit(np.array(TOWARDS["oblique"])))[1]
+        seen = np.cos(dataset["tip_angle"].values.mean() + turn(dataset, records) - ahead)
+        size = np.where(size >= 0.5 * size.max(), 2.0 + seen, 0.0)
+    shown = int(np.argmax(size))
     solid = surface or not parts.body.flat
     return {
         "title": str(dataset.attrs["title"]),
@@ -307,8 +323,10 @@ def _view(
     that forces on them are seen."""
     stage, around = parts.drawn, rotating is False or blade_count(dataset) > 1
     axes, focus = axes_of_view(stage, view, around=around)
-    wall = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1)))
-    seen = (np.vstack([stage.rest, wall]) if around else stage.rest) - focus
+    wall, shaft = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1))), parts.shaft
+    if len(shaft):
+        focus = middle_of([stage.rest, shaft], axes)
+    seen = (np.vstack([stage.rest, wall, shaft]) if around else stage.rest) - focus
     gap, ahead = opening(axes[2])
     middle = stage.inner_radius.max() * np.cos(gap) * directions(ahead)
     planes = [(np.append(middle, 0.0), np.append(directions(ahead), 0.0))] if gap else []

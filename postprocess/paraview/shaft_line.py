@@ -1,15 +1,16 @@
-"""Grids of a shaft line at some records: its surface as a body of revolution."""
-
-from collections.abc import Iterator
+"""Grids of a shaft line at some records: its surface, and rings at its bearings."""
 
 import meshio
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
+from bladewhirl.postprocess.fields.shaft_surface import AROUND, ShaftSurface
+from bladewhirl.postprocess.pictures.solids import tube_triangles
 
-AROUND = 24  #: number of points around a section
+LINE_PARTS = ("shaft", "bearings")
 DRAWN = 0.05  #: largest displacement in a picture, as a fraction of the length of the shaft
 
 
@@ -29,35 +30,34 @@ def exaggeration_of(dataset: xr.Dataset, records: IntArray, given: float | None)
     return DRAWN * length / largest if largest else 1.0
 
 
-def line_grids(
-    dataset: xr.Dataset, records: IntArray, *, rotating: bool, exaggeration: float
-) -> Iterator[dict[str, meshio.Mesh]]:
-    """Yield the grid of the part `rotor` at each record: quadrilaterals between sections at the
-    nodes, with `displacement` and `warp` [m]; in rotating axes the surface does not turn."""
-    place, radius = dataset["shaft_position"].values, dataset["shaft_radius"].values
-    node, corner = np.divmod(np.arange(len(place) * AROUND), AROUND)
-    first = np.arange((len(place) - 1) * AROUND)
-    following = first - first % AROUND + (first + 1) % AROUND
-    cells = np.stack([first, following, following + AROUND, first + AROUND], axis=1)
-    angles = rotation.angles(dataset)
-    for record in records.tolist():
-        turned = float(angles[record])
-        around = 2.0 * np.pi / AROUND * corner + (0.0 if rotating else turned)
-        points = np.stack(
-            [radius[node] * np.cos(around), radius[node] * np.sin(around), place[node]], axis=1
-        )
-        motion = dataset["shaft_displacement"].values[record]
-        back = turned if rotating else 0.0
-        moved = _moved(motion, back)[node]
-        displacement = moved[:, :3] + np.cross(moved[:, 3:], points * [1.0, 1.0, 0.0])
-        arrays = {"displacement": displacement, "warp": exaggeration * displacement}
-        yield {"rotor": meshio.Mesh(points, [("quad", cells)], arrays)}
+class LineGrids:
+    """Grids of the parts `shaft` and `bearings`, of triangles with `displacement` and `warp` [m].
 
+    Args:
+        dataset: a result with a shaft line.
+        rotating: true for rotating axes, false for static axes.
+        exaggeration: factor of displacements in `warp`.
+    """
 
-def _moved(motion: Array, back: float) -> Array:
-    """Return displacements and rotations of nodes, (nodes, 6), in axes turned by an angle [rad]."""
-    out = motion.copy()
-    for x in (0, 3):
-        whole = (motion[:, x] + 1j * motion[:, x + 1]) * np.exp(-1j * back)
-        out[:, x], out[:, x + 1] = whole.real, whole.imag
-    return out
+    def __init__(self, dataset: xr.Dataset, *, rotating: bool, exaggeration: float) -> None:
+        self.surface, self._factor = ShaftSurface(dataset), exaggeration
+        self._angles, self._rotating = rotation.angles(dataset), rotating
+        count, ring = len(self.surface.rings), tube_triangles(AROUND, ring=True)
+        size = self.surface.rings[0].size // 3
+        self._rings = np.vstack([ring + size * number for number in range(count)])
+        self._shaft = tube_triangles(len(self.surface.position), corners=AROUND)
+
+    def at(self, record: int) -> dict[str, meshio.Mesh]:
+        """Return the grids at a record."""
+        surface, turned = self.surface, float(self._angles[record])
+        turn, back = (0.0, -turned) if self._rotating else (turned, 0.0)
+        moved = np.broadcast_to(surface.ring_displacement(record), surface.rings.shape)
+        rings, moved = surface.rings.reshape(-1, 3), moved.reshape(-1, 3)
+        shaft = self._grid(surface.rest, surface.displacement(record), self._shaft, turn)
+        of_rings = self._grid(rings, moved, self._rings, back)
+        return dict(zip(LINE_PARTS, (shaft, of_rings), strict=True))
+
+    def _grid(self, rest: Array, moved: Array, cells: IntArray, turn: float) -> meshio.Mesh:
+        moved = rotate(moved, turn)
+        arrays = {"displacement": moved, "warp": self._factor * moved}
+        return meshio.Mesh(rotate(rest, turn), [("triangle", cells)], arrays)

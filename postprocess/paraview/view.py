@@ -16,7 +16,12 @@ SERIES: dict[str, Any] = {}
 ARROW = 0.17  # length of the largest force, in halves of the height of the picture
 SIZE = [1280, 960]  # of a picture [pixels]
 INK = [0.13, 0.15, 0.18]
-PLAIN = {"casing": [0.71, 0.73, 0.76], "coating": [0.78, 0.63, 0.4], "supports": INK}
+GREY = [0.71, 0.73, 0.76]
+PLAIN = {
+    **{"casing": GREY, "shaft": GREY, "bearings": [0.5, 0.62, 0.73]},
+    **{"coating": [0.78, 0.63, 0.4], "supports": INK},
+}
+TURNING = ("rotor", "shaft", "bearings")  # parts that are not cut open
 BARS = {"rotor": 0.08, "casing": 0.52, "coating": 0.52}  # lower ends of colour scales
 MARGIN = 1.2
 
@@ -38,9 +43,9 @@ def main() -> None:
     drawn = simple.WarpByVector(registrationName="drawn", Input=series)
     drawn.Vectors = ["POINTS", "warp"]
     drawn.ScaleFactor = 1.0
-    names = ["rotor", "casing", *(["coating"] if "coating" in SERIES["grids"] else [])]
-    for name in [*names, *(["supports"] if "supports" in SERIES["grids"] else [])]:
-        show_part(drawn, name, view)
+    for name in SERIES["grids"]:
+        if name != "contact":
+            show_part(drawn, name, view)
 
     if SERIES["largest_force"]:
         forces = simple.Glyph(registrationName="contact forces", Input=drawn, GlyphType="Arrow")
@@ -82,7 +87,7 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
     """Show a part with the colours of its own scale and with its edges; the wall is cut open."""
     part = simple.ExtractBlock(registrationName=name, Input=drawn)
     part.Selectors = [f"/Root/{name}"]
-    for origin, normal in SERIES["cuts"] if name != "rotor" else ():
+    for origin, normal in SERIES["cuts"] if name not in TURNING else ():
         part = simple.Clip(registrationName=f"{name}, cut open", Input=part, ClipType="Plane")
         part.ClipType.Origin, part.ClipType.Normal = origin, normal
     look = SERIES["colours"].get(name)
@@ -94,7 +99,7 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
         part.Function = f"{look['factor']!r}*{size}"
     whole = simple.Clean(Input=simple.ExtractSurface(Input=part))
     whole.Tolerance = 1e-4  # joins elements
-    if name == "rotor" and SERIES["solid"]:
+    if name in TURNING and SERIES["solid"]:
         part = simple.GenerateSurfaceNormals(registrationName="smooth rotor", Input=whole)
         part.FeatureAngle = 35.0
     shown = simple.Show(part, view)

@@ -9,7 +9,13 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.periodic.dataset import of_sweep
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    side_by_side,
+    styled,
+)
 from bladewhirl.postprocess.plotting.titles import key_words, set_title
 from bladewhirl.solvers.periodic.bifurcation import KINDS
 
@@ -56,7 +62,9 @@ def with_marches(branch: xr.Dataset, sweeps: Sequence[xr.Dataset] = ()) -> xr.Da
 
 def size_of(data: xr.Dataset) -> np.ndarray:
     """Return half the range of the radial displacement of the contact node that moves most at each
-    point of a branch [m], (points,)."""
+    point of a branch [m], (points,); in constant contact the deflection of the shaft."""
+    if "centre" in data:
+        return np.asarray(np.hypot(*data["centre"].values.T))
     moved = data["contact_displacement"].sel(direction="radial")
     swing = moved.max("instant") - moved.min("instant")
     return np.asarray(swing.max("node").values / 2.0)
@@ -105,7 +113,7 @@ def plot_branch(data: xr.Dataset) -> Figure:
     the unit circle. Points of `with_marches` are marks over the impulse.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.07)
-    impulse, size, circle = figure.subplots(1, 3)
+    impulse, size, circle = side_by_side(figure, 3)
     value = data["parameter"].values
     for axes, drawn in (
         (impulse, data["impulse_per_revolution"].values),
@@ -130,18 +138,16 @@ def plot_branch(data: xr.Dataset) -> Figure:
         marched = chosen["march_parameter"].values, chosen["march_impulse"].values
         impulse.plot(*marched, mark, markersize=5, color=colour, label=label)
     impulse.set_ylabel("impulse per revolution [N s]")
-    size.set_ylabel("largest radial amplitude [mm]")
+    whirl = "radius of the shaft" if "centre" in data else "largest radial amplitude"
+    size.set_ylabel(f"{whirl} [mm]")
     turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
     circle.plot(turn.real, turn.imag, color=COLOURS["rest"], linewidth=0.5)
-    shown = np.hypot(data["multiplier_real"], data["multiplier_imaginary"]) < 3.0
-    circle.plot(
-        data["multiplier_real"].where(shown).values.ravel(),
-        data["multiplier_imaginary"].where(shown).values.ravel(),
-        ".",
-        markersize=2,
-        color=COLOURS["rotor"],
-    )
+    real, imaginary = data["multiplier_real"].values, data["multiplier_imaginary"].values
+    away = np.hypot(real, imaginary)
+    for here, colour in ((away <= 1.0, "rotor"), ((away > 1.0) & (away < 3.0), "k = 1")):
+        circle.plot(real[here], imaginary[here], ".", markersize=2, color=COLOURS[colour])
     circle.set(xlabel="real part", ylabel="imaginary part", aspect="equal")
+    circle.set_title("multipliers,\norange: outside the circle")
     set_title(figure, data.attrs["case"], "branch of periodic motions")
     legends_below(figure, Group(list(zip(*impulse.get_legend_handles_labels(), strict=True))))
     return figure

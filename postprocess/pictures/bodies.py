@@ -1,5 +1,7 @@
-"""What is drawn of a stage: beams with supports, or a surface of triangles, and the wall."""
+"""What is drawn of a stage: beams with supports in a ring, or solids in space: the bladed disk, the
+wall with its coating, a hub, a shaft line with its bearings."""
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, get_args
 
 import numpy as np
@@ -8,7 +10,9 @@ import xarray as xr
 from bladewhirl.meshes.plane import directions, rotate, unit
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.pictures.choices import View
+from bladewhirl.postprocess.pictures.shaft import ShaftSolids
 from bladewhirl.postprocess.pictures.solids import HUB, Placed, Solid, hub_of, tube, tube_triangles
 from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
@@ -34,14 +38,24 @@ class Shape(NamedTuple):
     """Drawn positions at one record in the axes of the picture."""
 
     ribbons: Array  #: both sides of beams (line, station, side, 2) [m]
-    surface: Array  #: points, with their distance towards the viewer (point, 3) [m]
-    wall: Array  #: both sides of the drawn wall (station, side, 2) [m]
-    stations: IntArray  #: number of the station of the wall whose colour is at each drawn station
+    wall: Array
+    """Both sides of the wall around beams (line, station, side, 2) [m]; no line in space."""
+    stations: IntArray
+    """Station of the wall whose colour is at each of these stations (line, station)."""
     tips: Array  #: contact nodes, with their distance towards the viewer (node, 3) [m]
     centre: Array  #: likewise (3,) [m]
     mark: Array  #: likewise (3,) [m]
     symbols: Symbols
-    solids: tuple[Placed, ...]  #: positions of the solids of the body
+    solids: list[Placed]  #: positions of the solids of the body
+
+
+class Group(NamedTuple):
+    """Solids that are placed together."""
+
+    solids: list[Solid]
+    place: Callable[[int, float, float], list[Placed]]
+    """Function of the number of a record, and of the angles of the rotor and of the casing in the
+    axes of the picture [rad]."""
 
 
 class Body:
@@ -83,23 +97,22 @@ class Body:
             raise ViewError(NO_SURFACE)
         if points.flat and view not in (None, "axial"):
             raise ViewError(f'view = "{view}": beams lie in a plane; expected "axial"')
-        #: points of each triangle of the surface (triangle, 3)
-        self.triangles = np.zeros((0, 3), dtype=np.int64) if points.flat else points.cells
         target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
-        self._mark = int(np.argmin(np.linalg.norm(stage.rest - target, axis=1)))
-        self.solids: tuple[Solid, ...] = ()
-        """Wall, coating and hub in space; the wall is a ribbon if there are none."""
-        self.walls = 0  #: number of the first solids that are wall and coating
+        away = np.linalg.norm(stage.rest - target, axis=1)
+        self._mark = int(np.argmin(np.where(points.blade == 0, away, away + 2 * stage.tip_radius)))
+        self._groups: list[Group] = []
         self._axes, self._focus = np.eye(3), np.zeros(3)
         self._symbols: StageSymbols | None = None
         if points.flat:
             self._symbols = StageSymbols(dataset, stage.angle, stage.outward_reach())
         else:
-            self._look(dataset, view or "oblique", around=around)
+            self._look(dataset, records, view or "oblique", around=around)
+        self.solids = tuple(solid for group in self._groups for solid in group.solids)
+        """Parts of the stage in space; beams and their wall are ribbons."""
         self.nodes = self._placed(stage.rest if points.flat else stage.nodes, 0.0)[..., :2]
         """Points of beams, nodes first, or contact nodes of a surface, at rest (node, 2) [m]."""
 
-    def _look(self, dataset: xr.Dataset, view: View, *, around: bool) -> None:
+    def _look(self, dataset: xr.Dataset, records: IntArray, view: View, *, around: bool) -> None:
         """Choose the axes of the picture, and the solids, for a view of a surface."""
         stage, angle = self.stage, dataset["tip_angle"].values
         self._axes, self._focus = axes_of_view(stage, view, around=around)
@@ -111,52 +124,58 @@ class Body:
             start = angle.max() if view == "side" else angle.min() - ARC
             self._arc = np.linspace(start, angle.max() + ARC, ARC_STATIONS)
         self._strips = stage.strips() if stage.coating else []
-        self._hub = hub_of(self.points, stage.rest, 0.5 * stage.tip_radius) if around else None
-        wall = Solid(triangles=tube_triangles(len(self._arc)))
-        self.solids = (
-            wall,
-            *(Solid(triangles=wall.triangles, colour=COATING) for _ in self._strips),
-            *([] if self._hub is None else [HUB]),
-        )
-        self.walls = len(self.solids) - (self._hub is not None)
+        around_arc = tube_triangles(len(self._arc))
+        # The wall is cut open in front of the tips, whose nodes lie at its inner face.
+        wall = Solid(triangles=around_arc, shows="wall", hides=False)
+        strips = [Solid(triangles=around_arc, colour=COATING, hides=False) for _ in self._strips]
+        self._groups = [
+            Group([Solid(triangles=self.points.cells, shows="disk")], self._disk),
+            Group([wall, *strips], self._walls),
+        ]
+        hub = hub_of(self.points, stage.rest, 0.5 * stage.tip_radius) if around else None
+        if hub is not None:
+            self._groups.append(Group([HUB], lambda *at: [Placed(self._placed(hub, at[1]))]))
+        if has(dataset, "wheel") and around:
+            shaft = ShaftSolids(dataset, records, stage)
+            self._focus = middle_of([stage.rest, *shaft.places(0, 0.0, 0.0)], self._axes)
+            self._groups.append(
+                Group(
+                    shaft.solids,
+                    lambda *at: [Placed(self._placed(each, 0.0)) for each in shaft.places(*at)],
+                )
+            )
 
     def shape(self, index: int, rotor: float, casing: float) -> Shape:
         """Return the drawn positions at the index-th record, with the rotor and the casing turned
         by angles [rad]."""
         stage, wall = self.stage, self.stage.wall(index)
-        stations = np.append(np.arange(len(wall)), 0)  # the first station is repeated at the end
-        edges, solids, symbols = rotate(wall[stations], casing), tuple[Placed, ...](), Symbols()
+        stations, edges, symbols = np.zeros((0, 1), np.int64), np.zeros((0, 1, 2, 2)), Symbols()
         points, centre = stage.points(index), stage.factor * stage.centre[index]
         if self._symbols is not None:
+            stations = np.append(np.arange(len(wall)), 0)[None]  # the first one also at the end
+            edges = rotate(wall[stations], casing)
             groups = self._symbols.drawn(
                 wall[:, 1], stage.wall_at_rest(), centre, points[:, :2], float(stage.turns[index])
             )
             symbols = self._symbols.together(groups, casing, rotor)
-        else:
-            edges, stations, solids = self._walls(index, casing)
-            if self._hub is not None:
-                solids += (Placed(self._placed(self._hub, rotor), np.full(len(self._hub), -1)),)
-        placed = self._placed(points, rotor)
         return Shape(
             ribbons=rotate(stage.sides(index, points, wall), rotor),
-            surface=placed[:0] if self.points.flat else placed,
-            wall=edges[..., :2],
+            wall=edges,
             stations=stations,
             tips=self._placed(stage.contact_nodes(index), rotor),
             centre=self._placed(np.append(centre, 0.0), rotor),
-            mark=placed[self._mark],
+            mark=self._placed(points[self._mark], rotor),
             symbols=symbols,
-            solids=solids,
+            solids=[each for group in self._groups for each in group.place(index, rotor, casing)],
         )
 
-    def _walls(self, index: int, casing: float) -> tuple[Array, IntArray, tuple[Placed, ...]]:
-        """Return the drawn wall at the index-th record, turned by an angle [rad].
+    def _disk(self, index: int, rotor: float, _: float) -> list[Placed]:
+        """Return the bladed disk at the index-th record, turned by an angle [rad]."""
+        return [Placed(self._placed(self.stage.points(index), rotor))]
 
-        Returns:
-            edges of its inner face (station, edge, 3) [m]; numbers of its stations; the wall, and
-            the strips of its coating if there is one, whose stations are those of one track after
-            another.
-        """
+    def _walls(self, index: int, _: float, casing: float) -> list[Placed]:
+        """Return the wall at the index-th record, turned by an angle [rad], and the strips of its
+        coating if there is one, whose stations are those of one track after another."""
         stage, at = self.stage, self._arc - casing
         wall = stage.wall(index)[:, 0]
         number = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
@@ -165,7 +184,7 @@ class Body:
             around = np.arctan2(face[:, 1], face[:, 0])
             return np.interp(at, around, np.hypot(*face.T), period=2 * np.pi)
 
-        inner, metal = radius(wall), radius(stage.inner(index, stage.coating))
+        metal = radius(stage.inner(index, stage.coating))
         none = np.full_like(number, -1)  # a coating has values on its inner face only
         outer = metal + stage.wall_thickness[number]
         layers = [(metal, outer, np.repeat(number, 4), *stage.edges)]
@@ -178,15 +197,13 @@ class Body:
         def line(radius: Array, axial: float) -> Array:
             return self._placed(stage.wall_edge(radius[:, None] * directions(at), axial), casing)
 
-        solids = tuple(
+        return [
             Placed(
                 tube(line(low, first), line(low, last), line(high, last), line(high, first)),
                 stations,
             )
             for low, high, stations, first, last in layers
-        )
-        first, last = stage.edges
-        return np.stack([line(inner, first), line(inner, last)], axis=1), number, solids
+        ]
 
     def seen(self, vectors: Array) -> Array:
         """Return vectors (..., 2 or 3) as they are seen in the picture (..., 2)."""
@@ -208,6 +225,12 @@ def axes_of_view(stage: EnlargedStage, view: View, *, around: bool) -> tuple[Arr
         return _view_of_blade(stage.rest, stage.size, view)
     up = np.array([0.0, 1.0, 0.0] if view != "side" else [0.0, 0.0, 1.0])
     return _axes(np.array(TOWARDS[view]), up), np.zeros(3)
+
+
+def middle_of(parts: Sequence[Array], axes: Array) -> Array:
+    """Return the middle of a picture of parts (point, 3) in axes (3, 3), (3,) [m]."""
+    seen = np.vstack(parts) @ axes.T
+    return np.asarray(0.5 * (seen.min(axis=0) + seen.max(axis=0)) @ axes)
 
 
 def opening(towards: Array) -> tuple[float, float]:

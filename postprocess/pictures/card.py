@@ -15,12 +15,15 @@ from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import (
     aliased,
     blade_angles,
+    blade_count,
     diameter_shares,
     of_blades,
+    of_first_wheel,
 )
 from bladewhirl.postprocess.fields.kinematics import table_of_result
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import span_starts
-from bladewhirl.postprocess.pictures.flat import draw_flat, flat_stage
+from bladewhirl.postprocess.pictures.flat import MOST_NUMBERS, draw_flat, flat_stage
 from bladewhirl.postprocess.plotting.style import COLOURS, INCH, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import about_run
 from bladewhirl.postprocess.run.extremes import largest_force, mean_forces
@@ -31,7 +34,6 @@ from bladewhirl.postprocess.run.unrolled import unrolled, whole_run
 PAD = 0.08  #: distance of panels from each other and from the edges [inch]
 PAGE = (0.297, 0.21)  #: width and height of the page, A4 [m]
 LINE = 150  #: largest number of characters in a line of the verdict
-MOST_NUMBERS = 12  #: largest number of blades that are numbered around the clock
 COLUMNS = 1000  #: largest number of spans of time of a curve
 FAMILY = 0.05  #: modes whose frequencies differ by less, relatively, are drawn as one band
 ORDERS = 8  #: the Campbell diagram reaches at least this engine order
@@ -65,9 +67,12 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
     seen = whole_run(unrolled(result))
     names = ["rotor_backward_frequency", "rotor_forward_frequency"]
     names = names if names[0] in result else ["rotor_frequency"]
-    frequency = np.abs(np.concatenate([result[name].values for name in names]))
+    # The coordinates of a shaft line are modes without its bearings.
+    names = names * (not has(result, "line"))
+    frequency = np.abs(np.concatenate([np.zeros(0), *(result[name].values for name in names)]))
     ascending = np.argsort(frequency, kind="stable")
-    shares = np.tile(diameter_shares(result), (len(names), 1))
+    own = diameter_shares(result)
+    shares = np.concatenate([own[:0], *[own] * len(names)])
     regime = classify(result, energies["total"].values)
     return (
         xr.merge([stage, split, seen], combine_attrs="drop")
@@ -84,6 +89,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             regime=regime_title(regime.name, judged=regime.growth is not None),
             effects=table_of_result(result, "rotation", Rotation).effects,
             averaged_over=peak["averaged_over"],
+            blades=blade_count(of_first_wheel(result)),
             shown_time=float(result["time"][record]),
         )
     )
@@ -100,8 +106,15 @@ def plot_card(data: xr.Dataset) -> Figure:
     stage = figure.add_subplot(left[0])
     draw_flat(stage, data)
     stage.set_title(data.attrs["notes"])
-    _draw_history(figure.add_subplot(left[1]), data)
-    _draw_clock(figure.add_subplot(grid[0, 1], projection="polar"), data)
+    history = figure.add_subplot(left[1])
+    clock = figure.add_subplot(grid[0, 1], projection="polar")
+    if data["force_history"].values.any():
+        _draw_history(history, data)
+        _draw_clock(clock, data)
+    else:
+        for axes in (history, clock):
+            axes.set_axis_off()
+        clock.set_title("no blade touches the wall")
     stress = figure.add_subplot(grid[0, 2])
     if "mean" in data:
         draw_haigh(stress, data)
@@ -136,6 +149,8 @@ def verdict(data: xr.Dataset) -> str:
         one = data.isel(blade=data.attrs["worst"])
         both = [handy(float(one[name]), "Pa", 3) for name in ("alternating", "mean")]
         text = f"the stress of blade {data.attrs['worst']} alternates by {both[0]} about {both[1]}"
+        if not data.attrs["steady"]:
+            text += " (without steady rotation)"
         if "margin" in data:
             margin = float(one["margin"])
             sense = "within" if margin >= 1.0 else "beyond"
@@ -159,7 +174,7 @@ def nearest_order(data: xr.Dataset) -> tuple[int, float, float] | None:
     if not turns or not shown.any():
         return None
     frequency, orders = frequency[shown], np.arange(1, max(2, int(top / turns) + 1))
-    excited = data["diameter_share"].values[shown][:, aliased(orders, data.sizes["blade"])].T
+    excited = data["diameter_share"].values[shown][:, aliased(orders, data.attrs["blades"])].T
     apart = np.where(excited > EXCITED, np.abs(orders[:, None] * turns / frequency - 1.0), np.inf)
     order, mode = np.unravel_index(apart.argmin(), apart.shape)
     if np.isinf(apart[order, mode]):
@@ -227,7 +242,8 @@ def _draw_casing(axes: Axes, data: xr.Dataset) -> None:
     edges = np.degrees(data["rod_edge" if name == "wear" else "sector_edge"].values)
     unit, scale = handy_unit(float(values.max()), "N" if name == "force" else "m")
     axes.stairs(scale * values.values, edges, color=COLOURS["total"], baseline=None)
-    axes.set(xlim=(0, 360), xticks=np.arange(0, 361, 90), ylim=(0, None))
+    top = 1.05 * scale * float(values.max()) or 1.0
+    axes.set(xlim=(0, 360), xticks=np.arange(0, 361, 90), ylim=(0, top))
     axes.set(xlabel="angle on the casing [°]", ylabel=f"{words} [{unit}]")
     several = data.sizes["axial"] > 1
     axes.set_title(words + (" of all axial positions" if several else "") + ",\naround the casing")
@@ -237,6 +253,10 @@ def _draw_campbell(axes: Axes, data: xr.Dataset) -> None:
     """Draw the natural frequencies in rotating axes over the speed, with lines of engine orders and
     the speed of the run. Frequencies that depend on the speed are drawn at this speed only."""
     turns, top = _reach(data)
+    if not data.sizes["mode"]:
+        axes.set_axis_off()
+        axes.set_title("frequencies of a shaft line on its bearings:\nbladewhirl campbell")
+        return
     last = ABOVE * 60.0 * turns or 1.0
     fixed = data.attrs["effects"] == "none"
     span = (0.0, last) if fixed else (0.93 * 60.0 * turns, 1.07 * 60.0 * turns)
@@ -265,6 +285,8 @@ def _draw_campbell(axes: Axes, data: xr.Dataset) -> None:
             )
         axes.axvline(60.0 * turns, color=COLOURS["total"], linewidth=0.9)
     near, title = nearest_order(data), "natural frequencies, rotating axes, and the speed"
+    if data.sizes["blade"] > 1:
+        title += "\nbands: families with all nodal diameters"
     if near is not None:
         axes.plot(60.0 * turns, near[1], "o", color=COLOURS["k = 1"], markersize=5, mfc="none")
         title += f"\norder {near[0]} is {100 * near[2]:.2g} % from {near[1]:.4g} Hz"

@@ -13,6 +13,9 @@ Field = Literal[
     "gap",
     "wear",
     "part",
+    "joint-state",
+    "joint-force",
+    "joint-slip",
 ]
 
 Frame = Literal["static", "rotating"]

@@ -18,14 +18,16 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.enlarged import rounded_up
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points, Recovered
 from bladewhirl.postprocess.fields.strains import casing_strain_rows
 from bladewhirl.postprocess.pictures.choices import Field
-from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS
-from bladewhirl.postprocess.run.wear import coating_of
+from bladewhirl.postprocess.pictures.solids import Solid
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, COLOURS, JOINT_STATES
+from bladewhirl.postprocess.run.wear import coating_left, coating_of
 
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
@@ -59,16 +61,21 @@ class Colouring:
     casing: Array  #: values (record, station, side); the first station is not repeated at the end
     disk: Scale  #: of points and contact nodes
     wall: Scale  #: of the casing
-    #: colours of parts by name; the values are then numbers of parts. None for a field
     parts: Mapping[str, str] | None = None
+    """Colours of parts, or of states of joints, by name, whose numbers are then the values; None
+    for a field."""
+
+    def shade(self, solid: Solid) -> Scale | str:
+        """Return the scale or the colour of a solid."""
+        scales = {"disk": self.disk, "wall": self.wall}
+        return scales[solid.shows] if solid.shows else solid.colour
 
     @property
     def scales(self) -> dict[str, Scale]:
-        """Scales of a field that have values, by their labels; without one whose values are zero
-        everywhere beside another."""
+        """Scales of a field that have values, by their labels; without those whose values are zero
+        everywhere."""
         values = {"rotor": (self.points, self.nodes), "wall": (self.casing,)}
-        known = [name for name, given in values.items() if any(np.isfinite(v).any() for v in given)]
-        shown = [name for name in known if _largest(*values[name])] or known
+        shown = [name for name, given in values.items() if _largest(*given)]
         scales = {"rotor": self.disk, "wall": self.wall}
         return {f"{name} [{scales[name].unit}]": scales[name] for name in shown}
 
@@ -106,7 +113,7 @@ def colouring(
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
     none = np.full((len(records), len(points.rest), 1), np.nan)
     nodes = np.full((len(records), dataset.sizes["contact_node"]), np.nan)
-    coated = dataset.attrs.get("coating_thickness")
+    coated = has(dataset, "coating")
     found = Recovered(field.replace("-", " "), "m", signed=False)
     if field == "part":
         return _parts(dataset, points, records, per_element)
@@ -117,13 +124,19 @@ def colouring(
         found = found._replace(unit="m/s" if field == "velocity" else "m")
         values = _magnitudes(dataset, points, field, records, rotating)[..., None]
     elif field == "gap":
-        found = found._replace(name="gap to metal" if coated else "gap at the tip")
-        nodes = masked(dataset.isel(time=records), history(dataset, "gap", records))
+        found = found._replace(name="gap to the coating" if coated else "gap at the tip")
+        gap = history(dataset, "gap", records)
+        if coated:
+            gap = gap - coating_left(dataset, records)
+        nodes = masked(dataset.isel(time=records), gap)
         values = none
     elif field == "wear":
         found, values = found._replace(name="removed depth"), none
+    elif field in JOINT_FIELDS:
+        found = found._replace(**JOINT_FIELDS[field]._asdict())
+        nodes, values = at_joint_nodes(dataset, field, records), none
     else:
-        shown = ", ".join((*MAGNITUDES, *points.recovered, "gap", "wear", "part"))
+        shown = ", ".join((*MAGNITUDES, *points.recovered, "gap", "wear", "part", *JOINT_FIELDS))
         raise ViewError(
             f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
             f" its file has stress_recovery; expected {shown}"
@@ -134,7 +147,13 @@ def colouring(
     values, normalised = np.broadcast_to(values, (*values.shape[:2], 2)), is_normalised(dataset)
     largest = _largest(values, nodes), _largest(casing)
 
+    parts = None
+    if field == "joint-state":
+        parts = {f"joint {name}": shade for name, shade in JOINT_STATES.items()}
+
     def scale(amount: float, colours: str) -> Scale:
+        if parts is not None:
+            return _numbered(parts)
         unit, factor = ("m/s", 1.0) if field == "velocity" else handy_unit(amount, found.unit)
         if normalised:
             unit, factor = "\N{EN DASH}", 1.0 / (max(largest) or 1.0)
@@ -142,13 +161,15 @@ def colouring(
         limits = (-end if found.signed else 0.0, end)
         return Scale(unit, factor, limits, COLOUR_MAPS[colours])
 
+    name = f"{found.name} / largest one" if normalised else found.name
     return Colouring(
-        name=f"{found.name} / largest one" if normalised else found.name,
+        name=name if parts is not None or max(largest) else f"{name}:\nzero everywhere",
         points=values,
         nodes=nodes,
         casing=casing,
         disk=scale(largest[0], "magnitude"),
         wall=scale(largest[1], "wall"),
+        parts=parts,
     )
 
 
@@ -197,7 +218,7 @@ def _casing(
             depth = depth.max(axis=1)
         # In space, stations of one track after another.
         return _on_both_sides(depth.reshape(len(records), -1))
-    if field == "gap" or not has(dataset, "casing"):
+    if field in ("gap", *JOINT_FIELDS) or not has(dataset, "casing"):
         return np.full((len(records), len(angle), 2), np.nan)
     if field not in MAGNITUDES:
         ring = casing_strain_rows(dataset, per_element)
@@ -223,8 +244,7 @@ def _parts(dataset: xr.Dataset, points: Points, records: IntArray, per_element: 
     part = np.broadcast_to(points.part[:, None], (len(records), len(points.part), 2))
     stations = len(kinematics.wall_angles(dataset, per_element))
     all_parts = shown | {"casing": COLOURS["casing"]}
-    colours = ListedColormap([*all_parts.values()])
-    scale = Scale("", 1.0, (-0.5, len(all_parts) - 0.5), colours)
+    scale = _numbered(all_parts)
     return Colouring(
         name="part",
         points=part.astype(np.float64),
@@ -234,6 +254,11 @@ def _parts(dataset: xr.Dataset, points: Points, records: IntArray, per_element: 
         wall=scale,
         parts=all_parts,
     )
+
+
+def _numbered(colours: Mapping[str, str]) -> Scale:
+    """Return the scale of numbers from 0 on that stand for names with colours."""
+    return Scale("", 1.0, (-0.5, len(colours) - 0.5), ListedColormap([*colours.values()]))
 
 
 def _on_both_sides(values: Array) -> Array:

@@ -5,6 +5,7 @@ Points are taken from a body of `bodies` and transformed to the axes of the pict
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,15 +18,19 @@ from bladewhirl.postprocess.fields.by_blade import (
     blade_count,
     blade_length,
     of_blades,
+    of_first_wheel,
 )
+from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.pictures.bodies import COATING, Body
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import colouring, is_normalised
-from bladewhirl.postprocess.pictures.solids import METAL, behind
+from bladewhirl.postprocess.pictures.solids import Placed, Solid, behind
 from bladewhirl.postprocess.pictures.symbols import Symbols
 
+NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
+"""Radius and sideways offset of a blade number, relative to the tip radius."""
 HIDDEN = 0.03
 """A part hides a point if it is nearer to the viewer by more than this share of the surface's
 size."""
@@ -39,12 +44,11 @@ class Ribbon:
     values: Array  #: true values of the field at the sides (line, station, side)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Surface:
-    """Surface of triangles; without points if the rotor consists of beams."""
+class Surface(NamedTuple):
+    """Surface of triangles of a solid."""
 
     points: Array  #: places, and distance towards the viewer (point, 3) [m]
-    values: Array  #: true values of the field (point,)
+    values: Array  #: true values of the field, NaN for none (point,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +59,8 @@ class Picture:
     time: float  #: [s]
     speed: float  #: speed of the rotor [rad/s]
     rotor: Ribbon  #: beams
-    surface: Surface
-    solids: tuple[Surface, ...]  #: the wall in space, its coating and a hub, see `Drawing.solids`
-    casing: Ribbon
+    casing: Ribbon  #: the wall around beams
+    solids: tuple[Surface, ...]  #: parts of the stage in space, see `Body.solids`
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn contact nodes (contact_node, 2) [m]
     tip_values: Array
@@ -104,19 +107,21 @@ class Drawing:
     ) -> None:
         if frame not in (None, "static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
+        dataset = of_first_wheel(dataset)
         several = blade_count(dataset) > 1
         self.frame: Frame = frame or ("static" if several else "rotating")
         rotating = self.frame == "rotating"
         self.around = several or not rotating  #: whether the axis is in the picture
-        self._dataset = dataset
+        self._dataset, self._colour = dataset, colour
         self._body = body = Body(dataset, records, exaggeration, around=self.around, view=view)
         self.points = body.points  #: points of the bladed disk at rest
-        self.triangles = body.triangles  #: points of each triangle of the surface (triangle, 3)
         self.solids = body.solids  #: triangles and colours of the solids
         if colour == "wear":  # of the coating, not of the wall behind it
-            swapped: dict[str | None, str | None] = {None: METAL, COATING: None}
             self.solids = tuple(
-                replace(one, colour=swapped.get(one.colour, one.colour)) for one in body.solids
+                replace(one, shows="wall" if one.colour == COATING else None)
+                if one.shows != "disk"
+                else one
+                for one in body.solids
             )
         self.nodes = body.nodes  #: nodes of beams, or contact nodes, at rest (node, 2) [m]
         self._stage = stage = body.stage
@@ -156,7 +161,8 @@ class Drawing:
     @property
     def discs(self) -> list[str]:
         """Text with the meaning of discs, if there are any."""
-        return ["discs: contact nodes"] * bool(np.isfinite(self.colouring.nodes).any())
+        shown = "joints" if self._colour in JOINT_FIELDS else "contact nodes"
+        return [f"discs: {shown}"] * bool(np.isfinite(self.colouring.nodes).any())
 
     @property
     def dots(self) -> list[str]:
@@ -182,9 +188,8 @@ class Drawing:
             seen = self.picture(index)
             touching = seen.tips[np.any(seen.forces, axis=1)]
             contact = max(contact, float(np.max(np.sum(touching**2, axis=-1), initial=0.0)))
-            surface = seen.surface.points[:, :2]
-            walls = [solid.points[:, :2] for solid in seen.solids]
-            for shape in (seen.rotor.sides, surface, *walls, seen.casing.sides, *seen.symbols):
+            solids = [solid.points[:, :2] for solid in seen.solids]
+            for shape in (seen.rotor.sides, *solids, seen.casing.sides, *seen.symbols):
                 stage = max(stage, float(np.max(np.sum(shape**2, axis=-1), initial=0.0)))
         return float(np.sqrt(stage)), float(np.sqrt(contact))
 
@@ -199,13 +204,15 @@ class Drawing:
         forces = self._forces[index]
         spots = np.vstack([shape.tips, shape.centre, shape.mark])
         hidden = np.append(self.lost[index], [False, False])
-        if len(shape.surface) and self.around:
-            # The wall is cut open in front of the tips, whose nodes lie at its inner face.
-            bodies = [(shape.surface, self.triangles)]
-            if len(shape.solids) > body.walls:
-                bodies.append((shape.solids[-1].points, self.solids[-1].triangles))
-            corners = [points[triangles] for points, triangles in bodies]
-            hidden |= behind(spots, corners, HIDDEN * float(np.ptp(shape.surface, axis=0).max()))
+        if self.around and self.solids:
+            corners = [
+                placed.points[solid.triangles]
+                for placed, solid in zip(shape.solids, self.solids, strict=True)
+                if solid.hides
+            ]
+            hidden |= behind(
+                spots, corners, HIDDEN * float(np.ptp(shape.solids[0].points, axis=0).max())
+            )
         gone = of_blades(self._dataset, 1.0 * self.lost[index]) > 0.0
         seen = body.seen(forces)
         seen[hidden[: len(seen)]] = 0.0
@@ -213,18 +220,10 @@ class Drawing:
             time=float(self.times[index]),
             speed=float(self.speeds[index]),
             rotor=Ribbon(sides=shape.ribbons, values=body.points.stations(values)),
-            surface=Surface(points=shape.surface, values=values[: len(shape.surface), 0]),
+            casing=Ribbon(sides=shape.wall, values=colours.casing[index][shape.stations]),
             solids=tuple(
-                Surface(
-                    points=points,
-                    values=np.where(
-                        at < 0, np.nan, colours.casing[index][at % len(colours.casing[index]), 0]
-                    ),
-                )
-                for points, at in shape.solids
-            ),
-            casing=Ribbon(
-                sides=shape.wall[None], values=colours.casing[index][shape.stations][None]
+                Surface(placed.points, self._values(index, solid, placed))
+                for solid, placed in zip(self.solids, shape.solids, strict=True)
             ),
             shaft=shape.centre[:2],
             tips=shape.tips[:, :2],
@@ -237,6 +236,15 @@ class Drawing:
             pushes=np.where(self.lost[index, :, None], 0.0, body.turned(forces)),
             blade_forces=np.linalg.norm(of_blades(self._dataset, forces.T), axis=0)[~gone],
         )
+
+    def _values(self, index: int, solid: Solid, placed: Placed) -> Array:
+        """Return the values of the field on a solid at the index-th record (point,)."""
+        if solid.shows == "disk":
+            return np.asarray(self.colouring.points[index, :, 0])
+        values, at = self.colouring.casing[index], placed.stations
+        if solid.shows is None or not len(at):
+            return np.full(len(placed.points), np.nan)
+        return np.where(at < 0, np.nan, values[at % len(values), 0])
 
 
 def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -> Array:
@@ -254,6 +262,24 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
     side = np.array([0.5, 0.5, 1.6, 0.0, -1.6, -0.5, -0.5]) * head[:, None] / 5
     outline = tips[:, None] - back[..., None] * ahead[:, None] + side[..., None] * aside[:, None]
     return np.asarray(outline)
+
+
+def number_places(picture: Picture, first: IntArray, size: float) -> Array:
+    """Return places of the numbers of blades, beside the first tip of each that is seen, (blade, 2)
+    [m]; NaN where none is seen.
+
+    Args:
+        picture: the stage at a record.
+        first: number of the first contact node of each blade, (blade,).
+        size: distance from the middle to the edge of the picture [m].
+    """
+    seen = ~picture.hidden[: len(picture.tips)]
+    number = np.where(seen, np.arange(len(seen)), len(seen))
+    nearest = np.minimum.reduceat(number, first)
+    span = np.vstack([picture.tips, [np.nan, np.nan]])[nearest] - picture.shaft
+    aside = rotate(unit(span), np.pi / 2)
+    reach = min(float(np.max(np.nan_to_num(np.abs(span)), initial=0.0)), size)
+    return np.asarray(picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * reach * aside)
 
 
 def widened(sides: Array, right: float, left: float) -> Array:

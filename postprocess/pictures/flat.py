@@ -12,15 +12,18 @@ from matplotlib.colors import ListedColormap, Normalize, to_rgb
 
 from bladewhirl.meshes.plane import unit
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.pictures.colouring import Scale
-from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon, Surface, arrows, widened
+from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon, arrows, number_places, widened
+from bladewhirl.postprocess.plotting.style import OUTLINE
 
 LAMP = unit(np.array([-0.35, 0.5, 0.8]))  #: direction to the lamp, in the axes of the picture
 LEVELS = 128  #: number of colours of a scale
 FINE = 4000  #: triangles of a surface are halved until there are as many
+MOST_NUMBERS = 12  #: largest number of blades that are numbered
 AMBIENT = 0.55  #: brightness of a surface that the lamp does not reach
 
 
@@ -30,7 +33,8 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
     Returns:
         Dataset: `outline` (polygon, corner, axis) [m] as drawn, `value` (polygon,) of the field in
         the unit of its scale, nan without a value, and `shade` (polygon, rgb), the colour; `arrow`
-        (contact_node, arrow_corner, axis) [m], outlines of contact forces; for the scales of rotor
+        (contact_node, arrow_corner, axis) [m], outlines of contact forces; `number_place`
+        (blade, axis) [m], beside the tips that are seen; for the scales of rotor
         and wall, named by their labels, `limits` (scale, end) and `colours` (scale, level). The
         attribute `notes` is a text.
     """
@@ -51,17 +55,11 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
         values.append(found)
         shades.append(face * np.reshape(light, (-1, 1)))
 
-    if len(picture.surface.points):
+    if drawing.solids:
         depth = []
-        bodies: list[tuple[Surface, IntArray, Scale | str]]
-        bodies = [(picture.surface, drawing.triangles, field.disk)]
-        bodies += [
-            (placed, solid.triangles, solid.colour or field.wall)
-            for placed, solid in zip(picture.solids, drawing.solids, strict=True)
-        ]
-        for surface, triangles, scale in bodies:
-            corner, values_at = surface.points[triangles], surface.values[triangles]
-            normal = _normals(corner, triangles)
+        for surface, solid in zip(picture.solids, drawing.solids, strict=True):
+            corner, values_at = (each[solid.triangles] for each in surface)
+            normal, scale = _normals(corner, solid.triangles), field.shade(solid)
             front = normal[:, 2] > 0.0
             corner = np.dstack([corner, values_at, np.repeat(normal[:, None], 3, axis=1)])[front]
             while not isinstance(scale, str) and 0 < len(corner) < FINE:
@@ -83,16 +81,25 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
     if drawing.largest_force:
         notes.append(f"longest arrow: {handy(drawing.largest_force, 'N', 3)} with friction")
     scales = field.scales
+    if not scales:
+        notes.append(field.name.replace("\n", " "))
     return xr.Dataset(
         {
             "outline": (("polygon", "corner", "axis"), np.concatenate(outlines)[order]),
             "value": ("polygon", np.concatenate(values)[order]),
             "shade": (("polygon", "rgb"), np.concatenate(shades)[order]),
-            "limits": (("scale", "end"), [one.limits for one in scales.values()]),
-            "colours": (("scale", "level"), [one.shades(LEVELS) for one in scales.values()]),
+            "limits": (("scale", "end"), np.reshape([s.limits for s in scales.values()], (-1, 2))),
+            "colours": (
+                ("scale", "level"),
+                np.reshape([one.shades(LEVELS) for one in scales.values()], (len(scales), -1)),
+            ),
             "arrow": (
                 ("contact_node", "arrow_corner", "axis"),
                 arrows(picture.tips, picture.forces, length, look.ARROW_WIDTH * reach),
+            ),
+            "number_place": (
+                ("blade", "axis"),
+                number_places(picture, blade_starts(dataset), reach),
             ),
         },
         {"scale": [f"{field.name}, {label}" for label in scales]},
@@ -140,6 +147,11 @@ def draw_flat(axes: Axes, stage: xr.Dataset) -> None:
     look_of: dict[str, Any] = {"facecolors": shade, "edgecolors": shade, "linewidths": 0.2}
     axes.add_collection(PolyCollection([*stage["outline"].values], rasterized=True, **look_of))
     axes.add_collection(PolyCollection([*stage["arrow"].values], facecolors=look.FORCE_COLOUR))
+    places = stage["number_place"].values
+    for blade in range(0, len(places), -(-len(places) // MOST_NUMBERS)) if len(places) > 1 else ():
+        if np.isfinite(places[blade]).all():
+            x, y = places[blade]
+            axes.text(x, y, str(blade), ha="center", va="center", path_effects=OUTLINE)
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.set_axis_off()

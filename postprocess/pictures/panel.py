@@ -7,7 +7,7 @@ import numpy as np
 import pyvista
 import xarray as xr
 
-from bladewhirl.meshes.plane import directions, rotate, unit
+from bladewhirl.meshes.plane import directions
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.enlarged import rounded_down
@@ -15,7 +15,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.pictures import appearance as look
-from bladewhirl.postprocess.pictures.drawing import Picture
+from bladewhirl.postprocess.pictures.drawing import Picture, number_places
 from bladewhirl.postprocess.pictures.scene import CIRCLE, StageScene, disc_triangles
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
@@ -38,8 +38,6 @@ LINE = (0.77, 0.98, 0.01, 0.036)  #: left, right, lower, upper edge of the time 
 LINE_TOP = 0.082  #: upper edge of its text
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
 BAR_FOOT, BAR_STEP = 0.044, 0.0205  #: lower edge of the text of the scale bar, and height of a line
-#: radius and sideways offset of a blade number, relative to the tip radius
-NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
 LETTERS = 2.4  #: size of blade numbers in a sheet, relative to their size in a single picture
 KEY_STEP = 0.034
 KEY_LETTERS, TITLE_LETTERS = 27, 24
@@ -238,19 +236,12 @@ class BladeNumbers:
 
     def show(self, picture: Picture) -> None:
         """Move the numbers to their blades."""
-        # The first tip that is seen, of each blade.
-        seen = ~picture.hidden[: len(picture.tips)]
-        number = np.where(seen, np.arange(len(seen)), len(seen))
-        nearest = np.minimum.reduceat(number, self._first)[self._blades]
-        shown = nearest < len(seen)
-        span = picture.tips[np.where(shown, nearest, 0)] - picture.shaft
-        aside = rotate(unit(span), np.pi / 2)
-        apart = NUMBER_ASIDE * min(np.abs(span).max(initial=0.0), self._size) * aside
-        beside = picture.shaft + NUMBER_PLACE * span + apart
-        places = self._pixels * (beside - self._corner)
-        for actor, place, visible in zip(self._actors, places, shown, strict=True):
-            actor.SetPosition(*place)
-            actor.visibility = bool(visible)
+        beside = number_places(picture, self._first, self._size)[self._blades]
+        for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
+            seen = bool(np.isfinite(place).all())
+            actor.SetVisibility(seen)
+            if seen:
+                actor.SetPosition(*place)
 
 
 def draw_scale_bar(scene: StageScene, enlarged: str) -> str:

@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from bladewhirl.postprocess.fields.by_blade import blade_starts
+from bladewhirl.postprocess.fields.by_blade import blade_starts, of_first_wheel
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
@@ -34,7 +34,7 @@ def print_still(
         ViewError: the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
-    target = checked_target(path, ".png")
+    target, dataset = checked_target(path, ".png"), of_first_wheel(dataset)
     drawing = Drawing(dataset, np.array([record]), **view)
     (path,) = save_figure(printed(dataset, drawing, width), target)
     return path
@@ -61,7 +61,8 @@ def printed(dataset: xr.Dataset, drawing: Drawing, width: float) -> Figure:
     contact = look.contact_text(picture.blade_forces).replace("\n", ", ", 1)
     size = look.enlargement(drawing.exaggeration, normalised=drawing.normalised)
     time = look.time_text(picture.time, drawing.record_step)
-    words = [time, f"{drawing.frame} frame", size, *drawing.dots, contact]
+    none = [field.name] * (field.parts is None and not field.scales)
+    words = [time, f"{drawing.frame} frame", size, *none, *drawing.dots, contact]
     words = [each.replace("\n", " ") for each in words] + [f"bar: {bar}".replace("\n", ", ")]
     head(figure, dataset.assign_attrs(case_title=dataset.attrs["title"]), *words)
     parts = (field.parts or {}).items()

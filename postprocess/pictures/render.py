@@ -13,6 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields import kinematics, rotation
+from bladewhirl.postprocess.fields.by_blade import of_blades, of_first_wheel
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
@@ -89,7 +90,7 @@ def sheet_records(
 def strongest_contact(dataset: xr.Dataset) -> int:
     """Return the record of the largest contact impulse on a blade; the last record of a run without
     contact."""
-    largest = _contact_impulse(dataset).max(axis=1)
+    largest = of_blades(dataset, _contact_impulse(dataset)).max(axis=1, initial=0.0)
     return int(np.argmax(largest)) if largest.any() else len(largest) - 1
 
 
@@ -112,6 +113,7 @@ def render_still(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
+    dataset = of_first_wheel(dataset)
     drawing = Drawing(dataset, np.array([record]), **view)
     trail = _revolution_before(dataset, record) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture:
@@ -140,6 +142,7 @@ def render_animation(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".gif", ".mp4")
+    dataset = of_first_wheel(dataset)
     drawing = Drawing(dataset, records, **view)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / films.FRAME_RATE / seconds if seconds else 1.0
@@ -171,6 +174,7 @@ def render_sheet(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
+    dataset = of_first_wheel(dataset)
     drawing = Drawing(dataset, records, **view)
     with stage_view(dataset, drawing, (round(cell / SQUARE), cell), sheet=True) as picture:
         cells = [
@@ -224,7 +228,8 @@ def _busiest(dataset: xr.Dataset, span: int) -> int:
 
 
 def _contact_impulse(dataset: xr.Dataset) -> Array:
-    """Return the contact impulse since the previous record (time, blade) [N s]; zero for a mode."""
+    """Return the contact impulse since the previous record (time, contact_node) [N s]; zero for a
+    mode."""
     if "contact_impulse" in dataset:
         return np.asarray(dataset["contact_impulse"].values)
     return np.zeros((dataset.sizes["time"], dataset.sizes["contact_node"]))

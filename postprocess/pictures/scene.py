@@ -54,29 +54,18 @@ class StageScene:
         """Length of arrows."""
         first = drawing.picture(0)
         disk, wall = drawing.colouring.disk, drawing.colouring.wall
-        self._depth = DEPTH * self.size if len(first.surface.points) else 0.0
-        self._bodies: list[Body] = []
-        if len(first.surface.points):
-            bodies: list[tuple[Surface, IntArray, str | Scale]] = [
-                (first.surface, drawing.triangles, disk)
-            ]
-            for solid, placed in zip(drawing.solids, first.solids, strict=True):
-                bodies.append((placed, solid.triangles, solid.colour or wall))
-            self._bodies = [self._add_body(*body) for body in bodies]
+        self._depth = DEPTH * self.size * bool(drawing.solids)
+        self._bodies = [
+            self._add_body(placed, solid.triangles, drawing.colouring.shade(solid))
+            for placed, solid in zip(first.solids, drawing.solids, strict=True)
+        ]
         self._outlines, self._ribbons = [], []
-        for ribbon, scale, flat in (
-            (first.casing, wall, not drawing.solids),
-            (first.rotor, disk, True),
-        ):
+        for ribbon, scale in ((first.casing, wall), (first.rotor, disk)):
             lines, stations = ribbon.values.shape[:2]
             outline = _strip_quads(lines, stations, 1)
-            self._outlines.append(
-                self._add(ribbon.values.size, outline, layer=0, color=look.INK, shown=flat)
-            )
+            self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=look.INK))
             halves = _strip_quads(lines, stations, 2)
-            self._ribbons.append(
-                self._add(2 * ribbon.values.size, halves, layer=1, color=scale, shown=flat)
-            )
+            self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1, color=scale))
         # Strokes have light edges to be visible on parts of any colour.
         self._edges, self._strokes = (
             {
@@ -140,7 +129,7 @@ class StageScene:
             _move(mesh, np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2))
             self._colour(mesh, np.repeat(ribbon.values, 2, axis=-1))
         for (mesh, origin, triangles, edges), seen in zip(
-            self._bodies, (picture.surface, *picture.solids), strict=False
+            self._bodies, picture.solids, strict=True
         ):
             edges.points[:] = seen.points
             mesh.points[:] = seen.points[origin]

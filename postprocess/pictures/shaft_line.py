@@ -18,6 +18,7 @@ from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 from bladewhirl.postprocess.plotting.files import checked_target
+from bladewhirl.postprocess.plotting.legends import entries_of
 from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.shaft_line.rotor import Rotor, draw_rotor, rotor_of
 
@@ -84,8 +85,9 @@ def render_line(
         record = int(records[number])
         trail = at_bearings[_turn_before(turned, record) : record + 1]
         figure.clear()
+        axes = figure.add_axes((0.01, 0.06, 0.7, 0.84))
         draw_rotor(
-            figure.add_axes((0.01, 0.06, 0.7, 0.84)),
+            axes,
             rotor,
             deflection=factor * place[record],
             slope=factor * slope[record],
@@ -97,6 +99,11 @@ def render_line(
         texts = f"{handy(float(seconds), 's', 4)}, {speed * 30.0 / np.pi:.5g} rpm"
         figure.text(0.02, 0.94, title, fontsize=9)
         figure.text(0.02, 0.03, f"{texts}, displacements × {factor:.4g}", fontsize=8)
+        if entries := entries_of(axes):
+            handles, labels = zip(*entries, strict=True)
+            figure.legend(handles, labels, loc="lower right", ncols=2, bbox_to_anchor=(0.76, 0.0))
+        turns = "x and y at the bearings in the last turn"
+        figure.text(0.98, 0.97, turns, fontsize=7, ha="right", va="center")
         drawn: Any = canvas  # whose methods matplotlib leaves untyped
         drawn.draw()
         return np.asarray(drawn.buffer_rgba())[..., :3].copy()
@@ -117,7 +124,7 @@ def _draw_orbits(figure: Figure, rotor: Rotor, trail: ComplexArray, shown: Compl
     side = min(0.2, 0.75 * height * SIZE[1] / SIZE[0])
     for number in range(count):
         axes = figure.add_axes(
-            (0.98 - side, 0.97 - height * (number + 1) + 0.04, side, side * SIZE[0] / SIZE[1])
+            (0.98 - side, 0.95 - height * (number + 1) + 0.04, side, side * SIZE[0] / SIZE[1])
         )
         own = shown[:, number]
         middle = complex(own.real.max() + own.real.min(), own.imag.max() + own.imag.min()) / 2.0

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import pyvista
@@ -19,45 +19,52 @@ HUB_STATIONS = 96
 METAL = "#b4bbc3"  #: colour of a hub
 HUB_DEPTH = 0.2  #: radial thickness of a hub, relative to its radius
 SAME = 1e-6  #: largest distance of points of two sectors that are one node, by their radius
+NO_STATIONS = np.zeros(0, dtype=np.int64)
 SHARP = 35.0  #: angle between triangles from which an edge is drawn [deg]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solid:
-    """A solid of triangles; its colour is that of the field if it is None."""
+    """A part of the stage in space, of triangles."""
 
     triangles: IntArray  #: points of each triangle (triangle, 3)
-    colour: str | None = None
+    shows: Literal["disk", "wall"] | None = None
+    """Scale of the values that colour it; None if it has the colour `colour`."""
+    colour: str = METAL
+    hides: bool = True  #: whether it hides dots and numbers behind it
 
 
 class Placed(NamedTuple):
     """Positions of a solid at a record."""
 
     points: Array  #: places, and distance towards the viewer (point, 3) [m]
-    stations: IntArray  #: station of the wall whose value is at each point, -1 for none (point,)
+    stations: IntArray = NO_STATIONS
+    """Station of the wall whose value is at each point, -1 for none (point,)."""
 
 
 def tube(*corners: Array) -> Array:
-    """Return the points (station x corner, 3) of a tube of the lines (station, 3) of its four
+    """Return the points (station x corner, 3) of a tube of the lines (station, 3) of its
     corners."""
     return np.stack(corners, axis=1).reshape(-1, 3)
 
 
-def tube_triangles(stations: int, *, ring: bool = False) -> IntArray:
-    """Return the corner numbers (triangle, 3) of a tube of `stations`, with closed ends, or of a
-    ring, whose last station is followed by the first one."""
+def tube_triangles(stations: int, *, corners: int = CORNERS, ring: bool = False) -> IntArray:
+    """Return the corner numbers (triangle, 3) of a tube of `stations` with closed ends, whose
+    cross-section is convex, or of a ring, whose last station is followed by the first one."""
     here = np.arange(stations if ring else stations - 1)[:, None]
-    first, second = CORNERS * here, CORNERS * ((here + 1) % stations)
-    corner = np.arange(CORNERS)
-    after = (corner + 1) % CORNERS
+    first, second = corners * here, corners * ((here + 1) % stations)
+    corner = np.arange(corners)
+    after = (corner + 1) % corners
     quads = np.stack([first + corner, first + after, second + after, second + corner], axis=-1)
     quads = quads.reshape(-1, 4)
-    if not ring:
-        quads = np.vstack([quads, corner[::-1], corner + CORNERS * (stations - 1)])
-    return np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    triangles = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    if ring:
+        return triangles
+    end = np.column_stack([0 * corner[2:], corner[1:-1], corner[2:]])
+    return np.vstack([triangles, end[:, ::-1], end + corners * (stations - 1)])
 
 
-HUB = Solid(triangles=tube_triangles(HUB_STATIONS, ring=True), colour=METAL)
+HUB = Solid(triangles=tube_triangles(HUB_STATIONS, ring=True))
 
 
 def hub_of(points: Points, rest: Array, least: float) -> Array | None:

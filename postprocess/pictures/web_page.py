@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.postprocess.fields.by_blade import of_first_wheel
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
@@ -23,7 +24,7 @@ from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
-from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Ribbon
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
 from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.solids import sharp_edges, smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS
@@ -59,6 +60,7 @@ def film_page(
     dataset: xr.Dataset, records: IntArray, *, progress: Progress | None = None, **view: Any
 ) -> str:
     """Return the text of the page, see `render_page`."""
+    dataset = of_first_wheel(dataset)
     drawing = Drawing(dataset, records, **view)
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
@@ -75,7 +77,7 @@ def film_page(
         "casingShades": drawing.picture(0).rotor.values.size,
         "surfaceShades": shades.shape[1] - layout["surface"][1] - layout["nodes"][1],
         "nodeShades": shades.shape[1] - layout["nodes"][1],
-        "solidColours": [solid.colour for solid in drawing.solids if solid.colour],
+        "solidColours": [solid.colour for solid in drawing.solids if solid.shows is None],
         "marks": drawing.around,
         "bar": _bar(drawing, size),
         **_members(drawing.points),
@@ -94,7 +96,7 @@ def film_page(
                 look.enlargement(drawing.exaggeration),
                 *([str(dataset.attrs[LOSS])] if LOSS in dataset.attrs else []),
                 *drawing.discs,
-                *([] if len(drawing.triangles) else drawing.dots),
+                *([] if drawing.solids else drawing.dots),
             ]
         ),
         key=colouring.parts and list(colouring.parts.items()),
@@ -107,7 +109,7 @@ def film_page(
         faint=look.FAINT,
         force=look.FORCE_COLOUR,
         about=about,
-        turns=bool(len(drawing.triangles)),
+        turns=bool(drawing.solids),
         triangles=_packed(np.stack(_triangles(drawing)).astype("<i4")),
         edges=_packed(_edges(drawing).astype("<u4")),
         places=_packed(places),
@@ -139,18 +141,12 @@ def _pack(
 
 
 def _triangles(drawing: Drawing) -> tuple[IntArray, IntArray]:
-    """Return the points of each triangle of the surface and of the solids, counter-clockwise as
-    seen from outside, and the number of the corner in a smooth part, which has its own normal,
-    (triangle, 3) each."""
-    picture = drawing.picture(0)
-    if not len(picture.surface.points):
-        return drawing.triangles, drawing.triangles
-    bodies = [(picture.surface.points, drawing.triangles)]
-    for solid, placed in zip(drawing.solids, picture.solids, strict=True):
-        bodies.append((placed.points, solid.triangles))
-    faces, parts, point, part = [], [], 0, 0
-    for points, triangles in bodies:
-        smooth, origin = smooth_parts(points, triangles)
+    """Return the points of each triangle of the solids, counter-clockwise as seen from outside, and
+    the number of the corner in a smooth part, which has its own normal, (triangle, 3) each."""
+    none = np.zeros((0, 3), dtype=np.int64)
+    faces, parts, point, part = [none], [none], 0, 0
+    for solid, (points, _) in zip(drawing.solids, drawing.picture(0).solids, strict=True):
+        smooth, origin = smooth_parts(points, solid.triangles)
         faces.append(point + origin[smooth])
         parts.append(part + smooth)
         point += len(points)
@@ -159,40 +155,30 @@ def _triangles(drawing: Drawing) -> tuple[IntArray, IntArray]:
 
 
 def _edges(drawing: Drawing) -> IntArray:
-    """Return the end points (edge, 2) of the sharp edges of the surface and of the solids."""
-    picture, first, found = drawing.picture(0), 0, [np.zeros((0, 2), dtype=np.int64)]
-    if len(picture.surface.points):
-        each = [drawing.triangles, *(solid.triangles for solid in drawing.solids)]
-        for body, triangles in zip((picture.surface, *picture.solids), each, strict=True):
-            found.append(first + sharp_edges(body.points, triangles))
-            first += len(body.points)
+    """Return the end points (edge, 2) of the sharp edges of the solids."""
+    first, found = 0, [np.zeros((0, 2), dtype=np.int64)]
+    for solid, (points, _) in zip(drawing.solids, drawing.picture(0).solids, strict=True):
+        found.append(first + sharp_edges(points, solid.triangles))
+        first += len(points)
     return np.concatenate(found)
 
 
 def _picture_shades(drawing: Drawing, picture: Picture) -> NDArray[np.uint8]:
-    """Return the shades of rotor, casing, surface, solids and contact nodes; those of solids with a
-    colour of their own follow the colours of the scale."""
+    """Return the shades of rotor, casing, solids and contact nodes; those of solids with a colour
+    of their own follow the colours of the scale."""
     colouring = drawing.colouring
-    walls = _wall(picture).values
     shades = [
-        _shades(colouring, values.ravel(), of_wall=values is walls)
-        for values in (picture.rotor.values, walls, picture.surface.values)
+        _shades(colouring, ribbon.values.ravel(), of_wall=ribbon is picture.casing)
+        for ribbon in (picture.rotor, picture.casing)
     ]
     following = len(_colours(colouring))
     for solid, placed in zip(drawing.solids, picture.solids, strict=True):
-        if solid.colour is None:
-            shades.append(_shades(colouring, placed.values, of_wall=True))
+        if solid.shows:
+            shades.append(_shades(colouring, placed.values, of_wall=solid.shows == "wall"))
         else:
             shades.append(np.full(len(placed.points), following, dtype=np.uint8))
             following += 1
     return np.concatenate([*shades, _shades(colouring, picture.tip_values, of_wall=False)])
-
-
-def _wall(picture: Picture) -> Ribbon:
-    """Return the wall as a ribbon, without lines if the picture has it as a solid."""
-    if not picture.solids:
-        return picture.casing
-    return Ribbon(sides=picture.casing.sides[:0], values=picture.casing.values[:0])
 
 
 def _packed(values: NDArray[Any]) -> str:
@@ -212,10 +198,8 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
     """Return the points of all drawn shapes, by the name of the shape [m]."""
     return {
         "rotor": picture.rotor.sides,
-        "casing": _wall(picture).sides,
-        "surface": np.concatenate(
-            [picture.surface.points, *(solid.points for solid in picture.solids)]
-        ),
+        "casing": picture.casing.sides,
+        "surface": np.concatenate([np.zeros((0, 3)), *(each.points for each in picture.solids)]),
         **{name: strokes for name, _, _, strokes in look.strokes_of(picture.symbols)},
         "masses": picture.symbols.masses,
         "nodes": picture.tip_places,

@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, QuadMesh
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import ListedColormap, LogNorm, Normalize
+from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.style import COLOUR_MAPS
+from bladewhirl.postprocess.plotting.legends import Group
+from bladewhirl.postprocess.plotting.style import COLOUR_MAPS, JOINT_STATES
 
 SPEED = "speed Ω / ω₁ [–]"
 FREQUENCY = "frequency / ω₁ [–]"
@@ -26,6 +28,8 @@ AROUND: Offsets = [(0, 4), (-4, 3), (4, -3), (0, -4), (4, 3), (-4, -3), (5, 0), 
 
 LETTERS = 7.0  #: size of labels [points]
 LEADER = 12.0  #: horizontal distance of a name from the end of its line [points]
+SAME = 0.5  #: distance up to which two points are one [pixels]
+NEARER = 1.5  #: least distance of a label from another point, by that from its own
 CANDIDATES = 40  #: largest number of points of a line at which a label is tried
 
 
@@ -86,6 +90,15 @@ def draw_map(
     if label:
         axes.figure.colorbar(mesh, ax=axes, label=label)
     return mesh
+
+
+def draw_states(axes: Axes, x: ArrayLike, y: ArrayLike, states: ArrayLike) -> Group:
+    """Draw numbers of states of joints (row, column) as a map, see `draw_map`; return the entries
+    of a legend."""
+    colours, last = ListedColormap([*JOINT_STATES.values()]), len(JOINT_STATES) - 0.5
+    draw_map(axes, x, y, states, cmap=colours, vmin=-0.5, vmax=last)
+    patches = [Patch(fc=colour, ec="black", lw=0.5) for colour in JOINT_STATES.values()]
+    return Group([*zip(patches, JOINT_STATES, strict=True)])
 
 
 def draw_decades(
@@ -182,7 +195,8 @@ def _lay_out(axes: Axes) -> None:
 
 
 class Labels:
-    """Labels in a panel; a label that would cover another label or leave the panel is left out."""
+    """Labels in a panel; a label that would cover another label, leave the panel or be nearer to
+    another point is left out."""
 
     def __init__(self, axes: Axes, *, laid_out: bool = False) -> None:
         """Lay out the figure of a panel, unless it is laid out; the figure must be complete except
@@ -191,12 +205,13 @@ class Labels:
             _lay_out(axes)
         self._axes = axes
         self._taken: list[Bbox] = []
+        self._points = np.zeros((0, 2))
 
     def keep_free(self, x: ArrayLike, y: ArrayLike) -> None:
         """Keep labels away from the points x, y, whose marks have a diameter of 4 points."""
         half = 0.5 * 4.0 * self._axes.figure.dpi / 72.0
-        for place in self._axes.transData.transform(np.column_stack([x, y])):
-            self._taken.append(Bbox([place - half, place + half]))
+        self._points = self._axes.transData.transform(np.column_stack([x, y]))
+        self._taken += [Bbox([place - half, place + half]) for place in self._points]
 
     def add(
         self, x: ArrayLike, y: ArrayLike, text: str, colour: str, offsets: Offsets = ON
@@ -232,11 +247,20 @@ class Labels:
                 box = Text.get_window_extent(label)
                 inside = self._axes.bbox.containsx(box.x0) and self._axes.bbox.containsx(box.x1)
                 inside = inside and self._axes.bbox.y0 <= box.y0 and box.y1 <= self._axes.bbox.y1
-                if inside and not box.count_overlaps(self._taken):
+                if inside and not box.count_overlaps(self._taken) and self._of(place, box):
                     self._taken.append(box)
                     return True
                 label.remove()
         return False
+
+    def _of(self, place: FloatArray, box: Bbox) -> bool:
+        """Return whether a label is clearly nearer to its place than to all other points."""
+        own = self._axes.transData.transform(place)
+        others = self._points[np.linalg.norm(self._points - own, axis=1) > SAME]
+        low, high = np.array(box.extents).reshape(2, 2)
+        outside = (np.maximum(0.0, np.maximum(low - at, at - high)) for at in (own, others))
+        near, far = (np.linalg.norm(each, axis=-1) for each in outside)
+        return bool(np.all(far > NEARER * near))
 
 
 def coloured_line(

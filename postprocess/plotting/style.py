@@ -46,6 +46,9 @@ COLOURS: Mapping[str, str] = {
 """Colours of Okabe and Ito, distinct for colour-blind readers; a colour has the same meaning in all
 figures."""
 
+JOINT_STATES = {"open": "#FFFFFF", "stuck": "#7A828B", "slipping": COLOURS["k = 1"]}
+"""Colours of the states of joints, in the order of their numbers."""
+
 #: colours of lines without a meaning of their own; orange is reserved for k = 1
 LINES = [COLOURS[name] for name in ("k = 0", "suspension", "contact", "total", "casing", "rest")]
 

@@ -70,12 +70,18 @@ def retitle(figure: Figure, title: str) -> None:
     figure.set_figheight(figure.get_figheight() + LINE * (len(lines) - len(given)))
 
 
+LONGEST = 1e9  #: from this number on, ticks of logarithmic axes have an exponent
+
+
 class PlainLog(LogFormatter):
-    """Numbers of logarithmic axes as 0.01 and 1e-05, because raised exponents are too small."""
+    """Numbers of logarithmic axes as 0.01, 100,000 and 1e-05, because raised exponents are too
+    small."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the text of a tick; an empty one for ticks without a number."""
-        return f"{x:.5g}" if super().__call__(x, pos) else ""
+        if not super().__call__(x, pos):
+            return ""
+        return f"{x:,.0f}" if 1e4 <= abs(x) < LONGEST else f"{x:.5g}"
 
 
 def plain_exponents(figure: Figure) -> None:

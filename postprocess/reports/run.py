@@ -8,7 +8,7 @@ import xarray as xr
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.regimes import classify, regime_title
-from bladewhirl.postprocess.fields.by_blade import largest_contact_motion, of_blades
+from bladewhirl.postprocess.fields.by_blade import blade_count, largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.netcdf import has
@@ -50,8 +50,8 @@ from bladewhirl.postprocess.shaft_line.motion import line_bearing_forces
 
 PICTURES = 60  #: number of pictures of the film
 FILM = (
-    "Drag to turn a 3D stage, wheel to zoom; click on the curve of the force or move the slider to"
-    " see an instant. Displacements and clearance are enlarged; arrows are contact forces."
+    "Wheel to zoom; click on the curve of the force or move the slider to see an instant."
+    " Displacements and clearance are enlarged; arrows are contact forces."
 )
 LATE = "over the last third"  #: time window of whirl and contact scenario
 CASE_CAPTION = (
@@ -124,7 +124,8 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
 
 def _blocks(figures: RunFigures, part: str) -> list[Block]:
     """Return the figures of a section; that of contact has the casing over time as well."""
-    blocks: list[Block] = [*report_figures(figures, part)]
+    alone = ["contact-classes"] * (blade_count(figures.result) == 1)  # which compares blades
+    blocks: list[Block] = [*report_figures(figures, part, alone)]
     if part == "contact" and blocks:
         place = [block.name for block in blocks].index("unrolled")
         blocks.insert(place + 1, player(unrolled(figures.result)))
@@ -137,7 +138,10 @@ def _film(dataset: xr.Dataset, colour: Field) -> PageSection:
     title, records = "Film of the stage", animation_records(dataset, frames=PICTURES)
     try:
         block: Block = Film(
-            name="film", title=title, caption=FILM, text=film_page(dataset, records, colour=colour)
+            name="film",
+            title=title,
+            caption=FILM if has(dataset, "lines") else f"Drag to turn the stage. {FILM}",
+            text=film_page(dataset, records, colour=colour),
         )
     except ViewError as error:
         block = ReportFigure(name="film", title=title, obstacle=str(error))

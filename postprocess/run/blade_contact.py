@@ -274,8 +274,9 @@ def _draw_alone(figure: Figure, axes: Axes, maps: xr.Dataset, values: Array, lab
     edge, touched = maps["edge"].values, maps["share"].values[:, 0] > 0.0
     axes.stairs(values, edge, baseline=None, color=COLOURS["rotor"])
     at = 0.5 * (edge[1:] + edge[:-1])[touched]
+    label_of = "contact with the coating" if maps.attrs["to"] else "contact"
     look: Any = {"transform": axes.get_xaxis_transform(), "color": COLOURS["contact"]}
-    axes.plot(at, np.full(len(at), 0.02), "|", markersize=4.0, label="contact", **look)
+    axes.plot(at, np.full(len(at), 0.02), "|", markersize=4.0, label=label_of, **look)
     axes.set(ylabel=label, ylim=(0.0, None), xlim=contact_span(edge, touched))
     if touched.any():
         figure.legend(loc="outside lower center")

@@ -1,6 +1,9 @@
 """Close-up of one tip during one pass: its path against the wall, gap, forces, and the motion once
 a revolution."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -29,6 +32,9 @@ from bladewhirl.postprocess.plotting.titles import head
 
 FEWEST = 12  #: smallest number of records on each side of the largest force
 BESIDE = 0.5  #: time shown on each side of the contact, divided by the time in contact
+BOXED: Mapping[str, Any] = {"frameon": True, "framealpha": 1.0, "edgecolor": "none"}
+LEAST = 0.1  #: least end of the axis of the gap, by the change of the radius of the tip
+LEAST_GAP = 1e-9  #: least end of this axis [m]
 ROOM = 0.3  #: height of the drawn wall beyond its largest radius, by that of the path
 COATING = "#E3C9A0"  #: colour of a coating
 WALL = 720  #: smallest number of places on the wall
@@ -134,15 +140,19 @@ def plot_close_up(data: xr.Dataset) -> Figure:
     smallest, words = data["gap"].values, "gap"
     if "coating" in data:
         smallest, words = smallest - (data["wall"] - data["coating"]).values, "gap to coating"
-    unit, scale = handy_unit(float(np.abs(smallest).max()), "m")
+    # Zero looks like zero: rounding in a lasting contact is far below the motion of the tip.
+    reach = max(float(smallest.max()), LEAST * float(np.ptp(data["radius"].values)), LEAST_GAP)
+    unit, scale = handy_unit(reach, "m")
     gap.plot(angle, scale * smallest, ".-", color=COLOURS["total"])
+    low = min(float(smallest.min()), 0.0)
+    gap.set_ylim(scale * min(1.1 * low, -0.05 * reach), 1.05 * scale * reach)
     gap.axhline(0.0, color=COLOURS["rest"], linewidth=0.8)
     gap.set_ylabel(f"{words}\n[{unit}]")
     unit, scale = handy_unit(float(data["normal"].max()), "N")
     for name, colour, marks in (("normal", "k = 1", ".-"), ("friction", "k = 0", ".--")):
         force.plot(angle, scale * data[name].values, marks, color=COLOURS[colour], label=name)
     force.set(ylabel=f"force [{unit}]", xlabel="angle on the casing [°]")
-    force.legend(loc="best")
+    force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
     for axes in (path, gap, force):
         axes.set_xlim(*np.sort(angle[[0, -1]]))
     _draw_strobe(strobe, data)
@@ -161,7 +171,7 @@ def _draw_path(axes: Axes, data: xr.Dataset, angle: Array) -> None:
     axes.fill_between(angle, scale * drawn[surface], top, color=colour, linewidth=0, label=surface)
     axes.plot(angle, scale * drawn["radius"], ".-", color=COLOURS["total"], label="tip")
     axes.set(ylabel=f"radius less\nthat of the tip [{unit}]", ylim=(None, top))
-    axes.legend(loc="best", frameon=True, framealpha=1.0, edgecolor="none")
+    axes.legend(loc="best", **BOXED)
     several = f", contact node {data.attrs['node']}" if data.attrs["nodes"] > 1 else ""
     when = handy(data.attrs["instant"], "s", 4)
     axes.set_title(f"blade {data.attrs['blade']}{several}, largest force at {when}")
@@ -183,4 +193,4 @@ def _draw_strobe(axes: Axes, data: xr.Dataset) -> None:
     axes.locator_params(nbins=5)
     axes.set_xlabel(f"tangential displacement [{unit}]")
     axes.set_ylabel(f"radial displacement [{unit}]")
-    axes.legend(loc="best", frameon=True, framealpha=1.0, edgecolor="none")
+    axes.legend(loc="best", **BOXED)

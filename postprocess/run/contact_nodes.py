@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.models.inputs.units import handy, handy_unit
+from bladewhirl.models.stage.coating import track_edges
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -31,6 +32,7 @@ FEW = 6
 """Up to this number of blades each blade has a line; for more blades, the largest and the mean
 force are drawn."""
 
+ALONE = 5e-4  #: half of the drawn width of the only track [m]
 LINES = 6  #: largest number of nodal diameters drawn, those with the largest energy
 
 
@@ -196,9 +198,7 @@ def plot_node_wear(data: xr.Dataset) -> Figure:
     recess, axial = np.atleast_2d(data["recess"].values[-1]), np.atleast_1d(data["axial"].values)
     unit, scale = handy_unit(float(np.abs(axial).max()), "m")
     depth_unit, depth_scale = handy_unit(float(recess.max()), "m")
-    half = 0.5 * (np.diff(axial).mean() if len(axial) > 1 else 1e-3)
-    middles = 0.5 * (axial[1:] + axial[:-1])
-    edges = scale * np.concatenate([axial[:1] - half, middles, axial[-1:] + half])
+    edges = scale * (track_edges(axial) if len(axial) > 1 else axial + np.array([-ALONE, ALONE]))
     degrees = np.linspace(0.0, 360.0, recess.shape[1] + 1)
     label = f"removed depth [{depth_unit}]"
     draw_map(above, degrees, edges, depth_scale * recess, cmap=COLOUR_MAPS["wall"], label=label)

@@ -2,14 +2,13 @@
 
 import numpy as np
 import xarray as xr
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.axes import blade_axis, draw_states
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     FULL_WIDTH,
@@ -21,7 +20,6 @@ from bladewhirl.postprocess.plotting.titles import head
 
 TURNS = 2.0  #: number of revolutions at the end that are shown
 LOOPS = 4  #: largest number of pairs of nodes whose loops are drawn
-STATES = {"open": "white", "stuck": "0.75", "slipping": "tab:red"}
 
 
 def joint_motion(result: xr.Dataset) -> xr.Dataset:
@@ -74,16 +72,11 @@ def plot_joint_motion(data: xr.Dataset) -> Figure:
         loops.plot(scale * one["displacement"], one["force"], linewidth=0.8, label=label)
     loops.set(xlabel=f"tangential displacement [{unit}]", ylabel="tangential force [N]")
     loops.locator_params(nbins=6)
-    turn = data["turn"].values
-    pairs = data.sizes["joint_pair"]
-    colours = ListedColormap([*STATES.values()])
-    rows = data["state"].values[1:].T
-    draw_map(states, turn, np.arange(pairs + 1) - 0.5, rows, cmap=colours, vmin=-0.5, vmax=2.5)
+    turn, pairs = data["turn"].values, np.arange(data.sizes["joint_pair"])
+    meaning = draw_states(states, turn, pairs, data["state"].values[1:].T)
+    blade_axis(states, len(pairs), of_y=True)
     states.set(xlabel="revolutions", ylabel="pair of joint nodes")
-    meaning = ", ".join(
-        f"{name} {colour}" for name, colour in zip(STATES, ("white", "grey", "red"), strict=True)
-    )
     states.locator_params(axis="x", nbins=5)
-    head(figure, data, meaning)
-    legends_below(figure, Group(entries_of(loops)))
+    head(figure, data)
+    legends_below(figure, Group(entries_of(loops)), meaning)
     return figure

@@ -7,7 +7,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.windows import span_means, span_starts
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.solvers.march.schema import HISTORY
@@ -16,6 +18,7 @@ MOST = 12  #: largest number of lines that are drawn
 
 LETTERS = 30  #: largest number of letters in a line of the label of the vertical axis
 
+SPANS = 300  #: largest number of drawn points of a line
 HEIGHT = 0.06  #: height of a figure [m]
 
 
@@ -40,7 +43,14 @@ def plot_recorded(data: xr.Dataset) -> Figure:
     values = data[name]
     figure = new_figure(height=HEIGHT)
     axes = figure.add_subplot()
-    lines = axes.plot(values["time"], values.values)
+    time, starts = values["time"].values, span_starts(values["time"].values, SPANS)
+    lines = axes.plot(time[starts], span_means(1.0 * values.values, starts))
+    if len(starts) < len(time):
+        for line, column in zip(lines, np.atleast_2d(values.values.T), strict=True):
+            low, high = (each.reduceat(column, starts) for each in (np.minimum, np.maximum))
+            axes.fill_between(time[starts], low, high, color=line.get_color(), alpha=0.25, lw=0)
+        span = handy(float(np.ptp(time)) / SPANS, "s", 2)
+        axes.set_title(f"lines: means over {span}; areas: extremes")
     if values.ndim > 1:
         column = values.dims[1]
         title = str(column).replace("_", " ")

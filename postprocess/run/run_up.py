@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import contact_motion
-from bladewhirl.postprocess.fields.kinematics import smallest_clearance
+from bladewhirl.postprocess.fields.kinematics import smallest_clearance, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -45,7 +46,8 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
         in the plane of rotation; `force` [N], the largest mean force on a contact node, see
         `extremes.mean_forces`; `speed` [rad/s]; `rising`, 1 while the magnitude of the speed rises,
         -1 while it falls, and 0 at constant speed; `touches`, 1 where a blade touched the casing
-        since the last record. `clearance` is the smallest one [m]; `critical_speed` [rad/s] are the
+        since the last record. `clearance` is the smallest one [m], which tips close
+        with the square of the speed if the case gives it at rest; `critical_speed` [rad/s] are the
         speeds at which the shaft whirls forward or in an ellipse, if known. The attribute `moves`
         is "shaft" or "tips".
     """
@@ -66,6 +68,10 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
     if nodes:
         force = mean_forces(result).values.max(axis=1)
         touches = (result.variables["contact_steps"].values > 0).any(axis=1).astype(float)
+    clearance = np.full(len(speed), smallest_clearance(result) if nodes else np.inf)
+    if table_of_result(result, "rotation", Rotation).clearance == "cold":
+        share = (speed / float(result.attrs["speed"])) ** 2  # of the growth that is stored
+        clearance += float(result["tip_growth"].max()) * (1.0 - share)
     forward = np.zeros(0)
     if has(result, "critical"):
         forward = result["critical_speed"].values[result["critical_whirl"].values != "backward"]
@@ -78,7 +84,7 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
             "speed": ("time", speed, "rad/s"),
             "rising": ("time", change, "1"),
             "touches": ("time", touches, "1"),
-            "clearance": ((), smallest_clearance(result) if nodes else np.inf, "m"),
+            "clearance": ("time", clearance, "m"),
             "critical_speed": ("critical", forward, "rad/s"),
         },
         {"time": result["time"].values},
@@ -133,9 +139,9 @@ def _events(upper: Axes, lower: Axes, data: xr.Dataset) -> None:
     """Mark the first contact, and the clearance and critical speeds in the range of the axes."""
     rpm, moved = RPM * data["speed"].values, 1e3 * data["displacement"].values
     touching = np.flatnonzero(data["touches"].values > 0)
-    clearance = 1e3 * float(data["clearance"])
-    if data.attrs["moves"] == "shaft" and clearance < lower.get_ylim()[1]:
-        lower.axhline(clearance, color=COLOURS["casing"], linestyle="--", label="clearance")
+    clearance = 1e3 * data["clearance"].values
+    if data.attrs["moves"] == "shaft" and clearance.min() < lower.get_ylim()[1]:
+        lower.plot(rpm, clearance, color=COLOURS["casing"], linestyle="--", label="clearance")
     low, high = np.abs(rpm).min(), np.abs(rpm).max()
     sign = -1.0 if rpm[np.abs(rpm).argmax()] < 0.0 else 1.0
     critical = RPM * data["critical_speed"].values

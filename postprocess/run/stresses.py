@@ -21,7 +21,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.spatial import KDTree
 
 from bladewhirl.models.inputs.progress import tracked
 from bladewhirl.models.inputs.units import handy_unit
@@ -305,6 +304,8 @@ def _beams(dataset: xr.Dataset, points: Points) -> _Body:
 def _solid(dataset: xr.Dataset, points: Points) -> _Body:
     """Return the surface of solids, without points near contact nodes, on which the stress of a
     fine mesh has no limit."""
+    from scipy.spatial import KDTree  # long to load
+
     distance = KDTree(contact_nodes(dataset)).query(points.rest)[0]
     order = np.argsort(points.blade, kind="stable")
     order = order[distance[order] > NEAR * blade_length(dataset)]

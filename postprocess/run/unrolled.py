@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.models.stage.coating import axial_tracks
+from bladewhirl.models.stage.coating import axial_tracks, track_edges
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
@@ -167,7 +167,7 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
     else:
         axes.set(ylabel=label, ylim=(0, 1.05 * scale * max(both) or 1.0))
     if len(axial) > 1 < values.shape[1]:
-        up = larger * cell_edges(axial, logarithmic=False)
+        up = larger * track_edges(axial)
         across = cell_edges(seen["blade"].values, logarithmic=False) if edges is None else edges
         look = {"vmin": 0.0, "vmax": scale * max(both) or 1.0, "cmap": COLOUR_MAPS[MAPS[kind]]}
         shown = np.ma.masked_where(values == 0.0, scale * values)  # zero is white

@@ -12,8 +12,16 @@ from matplotlib.figure import Figure
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.coating import Coating
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.models.stage.coating import axial_tracks, spacing
-from bladewhirl.postprocess.fields.kinematics import Array, ViewError, table_of_result
+from bladewhirl.postprocess.fields.kinematics import (
+    Array,
+    IntArray,
+    ViewError,
+    table_of_result,
+    track_strains,
+    turn,
+)
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.axes import draw_map
@@ -38,6 +46,19 @@ def coating_of(dataset: xr.Dataset) -> Coating:
     if coating is None:
         raise ViewError("this run has no casing.coating, so nothing can be worn")
     return coating
+
+
+def coating_left(dataset: xr.Dataset, records: IntArray) -> Array:
+    """Return the thickness of the coating above the metal that each contact node faces at records,
+    (record, contact_node) [m]; the metal is where the march has it, at the share `limit`."""
+    coating = coating_of(dataset)
+    angle = dataset["tip_angle"].values + turn(dataset, records)[:, None]
+    track = axial_tracks(dataset["axial_position"].values, dataset["contact_radius"].values)[1]
+    strain = [
+        track_strains(dataset, records[[n]], at)[0, track, np.arange(len(track))]
+        for n, at in enumerate(angle)
+    ]
+    return np.asarray(coating.thickness * np.maximum(coating.limit - np.array(strain), 0.0))
 
 
 def wear(result: xr.Dataset) -> xr.Dataset:
@@ -200,23 +221,24 @@ def write_profile(result: xr.Dataset, path: Path) -> None:
     write_atomically(path, "\n".join(lines) + "\n")
 
 
-def _mean_depth(data: xr.Dataset) -> Array:
-    """Return the mean removed depth of all tracks [m], (wear_time, rod)."""
-    recess = data["recess"].values
-    if recess.ndim < 3:
-        return np.asarray(recess)
-    return np.asarray(np.average(recess, axis=1, weights=spacing(data["axial"].values)))
+def _depth(data: xr.Dataset) -> tuple[Array, str]:
+    """Return the removed depth, (wear_time, rod), the largest of all tracks, and its label."""
+    recess, words = data["recess"].values, "removed depth"
+    if recess.ndim > 2:
+        recess, words = recess.max(axis=1), "largest removed depth"
+    unit, scale = handy_unit(float(recess.max()), "m")
+    return scale * recess, f"{words} [{unit}]"
 
 
 @styled
 def plot_wear_map(data: xr.Dataset) -> Figure:
-    """Draw the removed depth by casing angle and revolution, the mean of all tracks."""
+    """Draw the removed depth by casing angle and revolution, the largest of all tracks."""
     figure = new_figure(height=0.06)
     axes = figure.subplots()
     turns = abs(float(data.attrs["speed"])) / (2 * np.pi)
     time, angle = (turns or 1.0) * data["wear_time"].values, np.degrees(data["angle"].values)
-    depth, label = 1e3 * _mean_depth(data).T, "removed depth [mm]"
-    draw_map(axes, time, angle, depth, cmap=COLOUR_MAPS["wall"], label=label)
+    depth, label = _depth(data)
+    draw_map(axes, time, angle, depth.T, cmap=COLOUR_MAPS["wall"], label=label)
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=(0, 360))
     axes.set_xlabel("revolutions of the rotor")
     if not turns:
@@ -227,18 +249,20 @@ def plot_wear_map(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_wear_profile(data: xr.Dataset) -> Figure:
-    """Draw the last profile of the coating from `wear`, the mean of all tracks, polar and against
-    the casing angle."""
+    """Draw the last profile of the coating from `wear`, the largest depth of all tracks, polar and
+    against the casing angle."""
     figure = new_figure(height=0.11)
     around = figure.add_subplot(2, 1, 1, projection="polar")
     unrolled = figure.add_subplot(2, 1, 2)
-    angle, depth = data["angle"].values, 1e3 * _mean_depth(data)[-1]
+    angle, ((depth,), label) = data["angle"].values, _depth(data.isel(wear_time=[-1]))
     around.plot(np.append(angle, angle[0]), np.append(depth, depth[0]))
-    around.set(rlabel_position=90, ylim=(0, 1.05 * float(depth.max()) or 1.0))
+    between = np.arange(22.5, 360.0, 45.0)  # labels of the radii where the profile is lowest
+    lowest = np.interp(np.radians(between), angle, depth, period=2 * np.pi).argmin()
+    around.set(rlabel_position=between[lowest], ylim=(0, 1.05 * float(depth.max()) or 1.0))
     around.set_yticks(around.get_yticks()[:: max(1, len(around.get_yticks()) // 3)])
     unrolled.plot(np.degrees(angle), depth)
     unrolled.set(xticks=(0, 90, 180, 270, 360), xlabel="casing angle [°]", xlim=(0, 360))
-    unrolled.set_ylabel("removed depth [mm]")
+    unrolled.set_ylabel(label)
     head(figure, data)
     return figure
 

@@ -3,7 +3,6 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import rotation
@@ -40,6 +39,8 @@ def poincare_map(
     Raises:
         ViewError: the rotor does not turn, or the time window is shorter than a revolution.
     """
+    from scipy.interpolate import CubicSpline  # long to load
+
     orbit = shaft_orbit(result, start=start, end=end)
     instants, place = section_places(orbit, frame)
     velocity = orbit[f"{frame}_velocity"].values
@@ -63,6 +64,8 @@ def section_places(orbit: xr.Dataset, frame: Frame = "static") -> tuple[Array, A
     Raises:
         ViewError: the rotor does not turn, or the orbit is shorter than a revolution.
     """
+    from scipy.interpolate import CubicHermiteSpline  # long to load
+
     time = orbit.variables["time"].values
     every = np.abs(rotation.angles(orbit)) / (2 * np.pi)
     turned, speed = every[[0, -1]], abs(float(orbit.attrs["speed"]))

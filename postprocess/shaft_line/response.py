@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.units import handy_unit
@@ -42,6 +43,8 @@ def plot_line_response(data: xr.Dataset) -> Figure:
         axes.set_ylim(bottom=max(float(np.min(drawn)), float(np.max(drawn)) / DECADES))
     panels[0].set_ylabel(f"amplitude [{unit}]")
     panels[1].set_ylabel("phase of x [°]")
+    turns = np.ptp(np.degrees(data["phase"].values)) / 360.0
+    panels[1].yaxis.set_major_locator(MultipleLocator(90.0 * max(1.0, np.ceil(turns))))
     panels[2].set_ylabel(f"force [{of_force}]")
     panels[2].set_xlabel("speed [rpm]")
     set_title(figure, str(data.attrs["title"]), "Response to unbalance")

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.shaft_line import ShaftLine
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 
 DEPTH = complex(-0.4, -0.28)  #: picture of a unit length along x; y points up, z to the right
@@ -100,6 +101,7 @@ def plot_rotor(rotor: Rotor) -> Figure:
     axes.tick_params(left=False, labelleft=False)
     axes.set_xlabel("position along the shaft [m]")
     figure.suptitle(rotor.title)
+    legends_below(figure, Group(entries_of(axes)))
     return figure
 
 
@@ -131,7 +133,12 @@ def draw_rotor(
         _spring(axes, at, below, 0.012 * np.ptp(rotor.position))
         if has_support:
             _spring(axes, below, seen(place, 1j * ground), 0.012 * np.ptp(rotor.position))
-            axes.plot(below.real, below.imag, "s", color=COLOURS["casing"], markersize=6.0)
+            look: dict[str, Any] = {
+                "color": COLOURS["casing"],
+                "markersize": 6.0,
+                "label": "mass of a support",
+            }
+            axes.plot(below.real, below.imag, "s", **look)
         _ground(axes, seen(place, 1j * ground), 0.04 * np.ptp(rotor.position))
         label = seen(place, 1j * ground)
         axes.annotate(
@@ -149,7 +156,12 @@ def draw_rotor(
         node = rotor.node(place)
         reach = max(_radius_at(rotor, place), rotor.radius.max())
         mark = seen(place, deflection[node] + reach * np.exp(1j * (angle + phase)))
-        axes.plot(mark.real, mark.imag, "o", color=COLOURS["k = 1"], markersize=4.0, zorder=5)
+        of_mark: dict[str, Any] = {
+            "color": COLOURS["k = 1"],
+            "markersize": 4.0,
+            "label": "unbalance",
+        }
+        axes.plot(mark.real, mark.imag, "o", zorder=5, **of_mark)
     axes.set(aspect="equal")
     axes.axis("off")
     room = 0.5 * rotor.largest

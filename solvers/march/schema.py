@@ -58,8 +58,8 @@ class Variable(NamedTuple):
     motion of the "centre", its "springs", "growth" of the tips, contact "nodes" whose motion is
     recorded, "points" for pictures, "gauges", "stress" at points, a flexible "casing", a "coating",
     a "speed" that varies, "critical" speeds in its range, a known "inertia" of the rotation, the
-    "drive" of a free speed, sudden "changes", a shaft "line", friction "joints",
-    "dampers" in them; "" for all."""
+    "drive" of a free speed, sudden "changes", a shaft "line" and its "wheel", friction
+    "joints", "dampers" in them; "" for all."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

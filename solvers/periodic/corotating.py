@@ -25,20 +25,21 @@ friction is a damper mu lambda / (|Omega| r) of the axial slip velocity.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import companion
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import NEVER
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.solvers.periodic.blade import obstacles_over_time
+from bladewhirl.solvers.periodic.complementarity import Complementarity
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.ring import Ring
 
-CHANGES = 200  #: largest number of changes of the set of tips in contact
 ROUND = 1e-6  #: largest variation of a clearance that counts as round
 
 
@@ -48,7 +49,11 @@ class CorotatingContact:
 
     normal: FloatArray  #: normal force on each tip [N], (tips,)
     gap: FloatArray  #: gap of each tip [m], (tips,)
+    tip: FloatArray  #: displacements of each tip in the axes of the wall [m], (tips, 3)
     rotor: FloatArray  #: modal displacements of the rotor [kg^1/2 m], (modes,)
+    supports: FloatArray
+    """Displacements of supports of bearings along x and y in rotating axes, times the root of their
+    mass [kg^1/2 m], (2 * supports,)."""
     centre: FloatArray  #: x and y of the centre in rotating axes [m], (2,)
     rates: ComplexArray
     """Eigenvalues of small deviations [1/s], that with the largest real part first, (rates,)."""
@@ -58,122 +63,208 @@ class CorotatingContact:
         """True if all small deviations decay."""
         return bool(self.rates[0].real < 0.0)
 
+    def supports_velocity(self, speed: float) -> FloatArray:
+        """Return the velocity of the supports in static axes at t = 0, when these are the rotating
+        axes, at a speed of rotation [rad/s], (2 * supports,)."""
+        x, y = self.supports.reshape(-1, 2).T
+        return np.stack([-speed * y, speed * x], axis=1).ravel()
+
 
 def obstacles(problem: ContactProblem) -> Iterable[str]:
     """Yield reasons why contact is not constant in rotating axes."""
     yield from obstacles_over_time(problem)
+    if not len(problem.rotor.tip_angle):
+        yield "there are no blades"
     clearance = problem.clearance(NEVER)[:, 0]
     if np.ptp(clearance) > ROUND * np.abs(clearance).max():
         yield "the clearance is not round"
-    if any(load.frequency != 0.0 or np.any(load.casing) for load in problem.loads):
+    fixed = (
+        np.any(each.casing) or (each.frequency and np.any(each.rotor)) for each in problem.loads
+    )
+    if any(fixed):
         yield "a load is not constant in rotating axes"
     if any(load.end != NEVER for load in problem.loads):
         yield "a load ends"
     if problem.springs is not None or problem.rotor.anisotropy:
         yield "springs in the static frame are not the same in all directions"
-    if problem.casing.is_flexible and (
-        np.any(problem.casing.column < 0) or len(problem.casing.dampers)
-    ):
+    if problem.bearings is not None and not problem.bearings.equal:
+        yield "bearings or supports are not the same in all directions"
+    wall = problem.casing.wall
+    if wall.is_flexible and (np.any(wall.column < 0) or len(wall.dampers)):
         yield "the casing is not uniform"
     if problem.coating is not None or problem.tip_rotation or problem.foreshortening is not None:
         yield "coating, contact.tip_rotation and contact.foreshortening are not included"
 
 
+@dataclass(frozen=True)
+class Structure:
+    """Bladed disk and supports of its bearings in rotating axes, in which equal bearings are
+    constant. Its coordinates are the modes of the disk, then x and y of each support times the root
+    of its mass."""
+
+    shapes: FloatArray  #: displacements of all tips in their directions, (3, tips, coordinates)
+    stiffness: FloatArray  #: [rad2/s2], (coordinates, coordinates)
+    damping: FloatArray  #: [1/s], with the Coriolis forces, (coordinates, coordinates)
+
+    @classmethod
+    def of_problem(cls, problem: ContactProblem) -> "Structure":
+        """Return the structure of a contact problem."""
+        rotor, speed = problem.rotor, problem.speed
+        stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
+        damping = la.block_diag(*rotor.velocity_forces)
+        if problem.bearings is None:
+            return cls(_rows(rotor), stiffness, damping)
+        supports = problem.casing.supports
+        spin = np.kron(np.eye(supports), [[0.0, -1.0], [1.0, 0.0]])
+        held = problem.bearings.in_rotating_axes(speed, supports)
+        return cls(
+            shapes=np.pad(_rows(rotor), [(0, 0), (0, 0), (0, 2 * supports)]),
+            stiffness=la.block_diag(stiffness, -(speed**2) * np.eye(2 * supports)) + held[0],
+            damping=la.block_diag(damping, 2.0 * speed * spin) + held[1],
+        )
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations of constant contact.
+
+    Raises:
+        ValueError: contact is not constant in rotating axes; the message has the reason.
+    """
+
+    problem: ContactProblem
+
+    def __post_init__(self) -> None:
+        for reason in obstacles(self.problem):
+            raise ValueError(reason)
+
+    @cached_property
+    def structure(self) -> Structure:
+        """Bladed disk and supports."""
+        return Structure.of_problem(self.problem)
+
+    @cached_property
+    def _moved(self) -> FloatArray:
+        """Displacements by the loads at the end of their ramps, and by a unit normal force on each
+        tip with its friction, (coordinates, 1 + tips)."""
+        problem, (normal, tangential, _) = self.problem, self.structure.shapes
+        pushed = np.zeros(len(self.structure.stiffness))
+        for load in problem.loads:
+            pushed[: len(load.rotor)] += load.rotor * np.cos(load.phase)
+        along = normal + _way(problem) * tangential
+        try:
+            return np.linalg.solve(self.structure.stiffness, np.column_stack([pushed, -along.T]))
+        except np.linalg.LinAlgError:
+            raise NotConverged("a mode of the bladed disk has no stiffness") from None
+
+    @cached_property
+    def tips(self) -> Complementarity:
+        """Gaps and normal forces of the tips.
+
+        Raises:
+            NotConverged: a mode has no stiffness.
+        """
+        problem, shapes, moved = self.problem, self.structure.shapes, self._moved
+        rotor, casing, way = problem.rotor, problem.casing, _way(problem)
+        clearance = float(problem.clearance(NEVER)[:, 0].mean())
+        start = clearance * rotor.normal_part + rotor.tip_recess - shapes[0] @ moved[:, 0]
+        matrix = _elastic(rotor, 0, (1.0, way)) - shapes[0] @ moved[:, 1:]
+        if casing.is_flexible:
+            apart = rotor.tip_angle[:, None] - rotor.tip_angle
+            answer = Ring.of_casing(casing.wall).between(problem.speed, apart)
+            matrix = matrix + answer[..., 0, 0] + way * answer[..., 0, 1]
+        return Complementarity(start, matrix, ROUND * clearance, rotor.tip_angle)
+
+    def contact(self, normal: FloatArray) -> CorotatingContact:
+        """Return the motion with normal forces on the tips, (tips,)."""
+        rotor, shapes = self.problem.rotor, self.structure.shapes
+        moved = self._moved @ np.append(1.0, normal)
+        own, elastic = len(rotor.frequency), (1.0, _way(self.problem))
+        tip = [shapes[n] @ moved - _elastic(rotor, n, elastic) @ normal for n in range(3)]
+        still, fading = _deviations(self.problem, self.structure, normal)
+        unit = float(np.sqrt(np.abs(still).max(initial=0.0))) or 1.0
+        values = np.linalg.eigvals(companion(-still, -fading, unit))
+        return CorotatingContact(
+            normal=normal,
+            gap=self.tips.gap(normal),
+            tip=np.stack(tip, axis=1),
+            rotor=moved[:own],
+            supports=moved[own:],
+            centre=rotor.centre @ moved[:own],
+            rates=np.asarray(values[np.argsort(-values.real)], dtype=np.complex128),
+        )
+
+
 def corotating_contact(problem: ContactProblem) -> CorotatingContact:
     """Return the constant contact of a stage, at the end of the ramps of its loads; of several with
-    contact a stable one, if some are stable. The search begins with the tips that the motion
-    without contact presses into the wall, and then with each tip alone.
+    contact a stable one, if the search of `Complementarity.with_contact` finds one.
 
     Raises:
         ValueError: contact is not constant in rotating axes; the message has the reason.
         NotConverged: no solution was found.
     """
-    for reason in obstacles(problem):
-        raise ValueError(reason)
-    rotor, casing = problem.rotor, problem.casing
-    shapes, way = _rows(rotor), float(np.sign(problem.speed)) * problem.friction
-    along = shapes[0] + way * shapes[1]
-    pushed = sum(
-        (load.rotor * np.cos(load.phase) for load in problem.loads), np.zeros(len(rotor.frequency))
-    )
-    stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
-    try:
-        moved = np.linalg.solve(stiffness, np.column_stack([pushed, -along.T]))
-    except np.linalg.LinAlgError:
-        raise NotConverged("a mode of the bladed disk has no stiffness") from None
-    clearance = float(problem.clearance(NEVER)[:, 0].mean())
-    start = clearance * rotor.normal_part + rotor.tip_recess - shapes[0] @ moved[:, 0]
-    matrix = _elastic(rotor, 0, (1.0, way)) - shapes[0] @ moved[:, 1:]
-    if casing.is_flexible:
-        apart = rotor.tip_angle[:, None] - rotor.tip_angle
-        answer = Ring.of_casing(casing).between(problem.speed, apart)
-        matrix = matrix + answer[..., 0, 0] + way * answer[..., 0, 1]
-
-    def contact(normal: FloatArray) -> CorotatingContact:
-        rotated = moved @ np.append(1.0, normal)
-        still, fading = _deviations(problem, shapes, stiffness, normal)
-        unit = float(np.sqrt(np.abs(still).max(initial=0.0))) or 1.0
-        values = np.linalg.eigvals(companion(-still, -fading, unit))
-        rates = np.asarray(values[np.argsort(-values.real)], dtype=np.complex128)
-        gap = start + matrix @ normal
-        return CorotatingContact(normal, gap, rotated, rotor.centre @ rotated, rates)
-
-    tolerance = ROUND * clearance
-    normal = _solved(start, matrix, start < 0.0, tolerance)
-    if normal is not None and normal.any():
-        return contact(normal)
-    others: dict[bytes, FloatArray] = {}
-    for each in np.eye(len(start), dtype=np.bool_)[start * np.diag(matrix) < 0.0]:
-        found = _solved(start, matrix, each, tolerance)
-        if found is not None and found.any():
-            others.setdefault((found > 0.0).tobytes(), found)
-    solutions = map(contact, others.values() if others or normal is None else [normal])
-    for solution in sorted(solutions, key=lambda each: not each.stable):
-        return solution
-    raise NotConverged("the tips in contact keep changing")
+    equations = Equations(problem)
+    found = list[CorotatingContact]()
+    for normal in equations.tips.with_contact():
+        found.append(equations.contact(normal))
+        if found[-1].stable:
+            return found[-1]
+    return _some([*found, *_free(equations)])[0]
 
 
-def _solved(
-    start: FloatArray, matrix: FloatArray, chosen: BoolArray, tolerance: float
-) -> FloatArray | None:
-    """Return normal forces of the complementarity problem, from a set of tips in contact; None if
-    the set keeps changing."""
-    seen = set[bytes]()
-    for _ in range(CHANGES):
-        normal = np.zeros(len(start))
-        try:
-            normal[chosen] = np.linalg.solve(matrix[np.ix_(chosen, chosen)], -start[chosen])
-        except np.linalg.LinAlgError:
-            return None
-        wrong = np.where(chosen, normal < 0.0, start + matrix @ normal < -tolerance)
-        if not wrong.any():
-            return normal
-        if chosen.tobytes() in seen:  # change one tip only
-            wrong[np.flatnonzero(wrong)[:-1]] = False
-        seen.add(chosen.tobytes())
-        chosen = chosen ^ wrong
-    return None
+def contact_states(problem: ContactProblem) -> list[CorotatingContact]:
+    """Return all constant contacts of a stage that the search of `Complementarity.with_contact`
+    finds, stable ones first; at last the motion without contact, if it is one of them.
+
+    Raises:
+        ValueError: contact is not constant in rotating axes; the message has the reason.
+        NotConverged: no solution was found.
+    """
+    equations = Equations(problem)
+    found = [equations.contact(normal) for normal in equations.tips.with_contact()]
+    return _some([*sorted(found, key=lambda each: not each.stable), *_free(equations)])
+
+
+def _free(equations: Equations) -> list[CorotatingContact]:
+    """Return the motion without contact, if it does not penetrate the wall."""
+    still = np.zeros(len(equations.tips.start))
+    return [equations.contact(still)] if equations.tips.free else []
+
+
+def _some(found: list[CorotatingContact]) -> list[CorotatingContact]:
+    """Return solutions if there are any.
+
+    Raises:
+        NotConverged: there are none.
+    """
+    if not found:
+        raise NotConverged("the tips in contact keep changing")
+    return found
+
+
+def _way(problem: ContactProblem) -> float:
+    """Return the friction coefficient with the sign of the rotation."""
+    return float(np.sign(problem.speed)) * problem.friction
 
 
 def _deviations(
-    problem: ContactProblem, shapes: FloatArray, stiffness: FloatArray, normal: FloatArray
+    problem: ContactProblem, structure: Structure, normal: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return stiffness [rad2/s2] and damping [1/s] of small deviations from constant contact.
 
     Args:
         problem: contact problem.
-        shapes: displacements of all tips in their directions, (3, tips, modes).
-        stiffness: stiffness of the modes of the bladed disk [rad2/s2], (modes, modes).
+        structure: its bladed disk and supports.
         normal: normal forces [N], (tips,).
     """
-    rotor, speed = problem.rotor, problem.speed
-    way, touching = float(np.sign(speed)) * problem.friction, normal > 0.0
-    damping = la.block_diag(*rotor.velocity_forces).astype(np.complex128)
-    stiffness = stiffness.astype(np.complex128)
+    rotor, speed, shapes = problem.rotor, problem.speed, structure.shapes
+    way, touching = _way(problem), normal > 0.0
+    damping = structure.damping.astype(np.complex128)
+    stiffness = structure.stiffness.astype(np.complex128)
     closing, axial = shapes[0, touching].astype(np.complex128), shapes[2, touching]
     pushing = (shapes[0] + way * shapes[1])[touching].T.astype(np.complex128)
     if problem.casing.is_flexible:
-        ring = Ring.of_casing(problem.casing)
+        ring = Ring.of_casing(problem.casing.wall)
         order, shape, mode = ring.both_ways
         own, turning = ring.frequency[mode], order * speed
         rate = 2.0 * ring.damping_ratio[mode] * own

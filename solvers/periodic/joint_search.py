@@ -25,6 +25,7 @@ from bladewhirl.solvers.periodic.arclength import Branch, Equations, follow
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion, common_order
 
+ROUGH = 16  #: harmonics of a rough motion, for each engine order
 FIRST, SEARCHED, MOST, MISSED = 8, 48, 128, 2
 """Harmonics with which the search begins, up to which it may begin anew, and the most, for each
 engine order relative to their common divisor; numbers of harmonics without a motion after which the
@@ -177,12 +178,15 @@ def sharpened(motion: JointMotion, smooth: float) -> JointMotion:
             break
 
 
-def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> JointMotion:
+def joint_motion(
+    wheel: JointedWheel, start: JointMotion | None = None, *, thorough: bool = True
+) -> JointMotion:
     """Return a periodic motion with so many harmonics that forces and work have converged.
 
     Args:
         wheel: the wheel with joints.
         start: a motion near it, as at another speed; None: none is known.
+        thorough: whether motions with more harmonics are sought through smooth laws, too.
 
     Raises:
         NotConverged: no motion was found.
@@ -193,7 +197,7 @@ def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> Joint
     while highest <= MOST * unit:
         grid = JointGrid(wheel, highest)
         try:
-            finer = _refined(motion, grid, anew=highest <= SEARCHED * unit)
+            finer = _refined(motion, grid, anew=thorough and highest <= SEARCHED * unit)
         except NotConverged:
             highest, missed = highest + highest // 4, missed + 1
             if missed > MISSED:
@@ -204,6 +208,20 @@ def joint_motion(wheel: JointedWheel, start: JointMotion | None = None) -> Joint
         if moved <= CONVERGED and worked <= WORK_CONVERGED:
             break
     return motion if np.isfinite(motion.change) else _compared(motion)
+
+
+def rough_motion(wheel: JointedWheel, start: JointMotion | None = None) -> JointMotion:
+    """Return a periodic motion with `ROUGH` harmonics, or `FIRST` ones if it is found with these
+    alone, for searches over many wheels; see `joint_motion`.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    unit = max(wheel.orders) // common_order(wheel)
+    coarse, fine = (JointGrid(wheel, count * unit) for count in (FIRST, ROUGH))
+    near = [] if start is None else [start.on(fine), start.on(coarse)]
+    ways: list[Callable[[], JointMotion]] = [partial(solve, each) for each in near]
+    return _first_of([*ways, *(partial(loaded, coarse, smooth) for smooth in SMOOTH)])
 
 
 def _compared(motion: JointMotion) -> JointMotion:

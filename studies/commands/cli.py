@@ -9,6 +9,7 @@ imports other modules when it runs. Thus ``bladewhirl --help`` answers at once.
 import gc
 import re
 import signal
+import sys
 import warnings
 from importlib import metadata
 from typing import Annotated, Any
@@ -115,6 +116,9 @@ collections take a tenth of the time of a short run, and free little."""
 def main() -> None:
     """Entry point of the command ``bladewhirl``."""
     gc.set_threshold(GARBAGE_THRESHOLD)
+    if not any(each.startswith("--scheduler") for each in sys.argv):
+        absent: Any = None  # as Python marks a module that cannot be imported
+        sys.modules["dask"] = absent  # xarray loads it where it is installed, which takes long
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
     signal.signal(signal.SIGTERM, _interrupt)
     with robust_output():

@@ -66,13 +66,12 @@ def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
     from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
 
     part = read_superelement(file)
-    found = [
-        one for own in frequencies_by_diameter(part, RIGID + 1, range(DIAMETERS)) for one in own
-    ]
-    reference = 2.0 * pi * min(one for one in found if one > ELASTIC * max(found))
-    ends = None if speeds is None else reference * speeds.values(reference)
+    found = [*frequencies_by_diameter(part, RIGID + 1, range(DIAMETERS))]
+    limit = ELASTIC * max(own.max() for own in found)
+    lowest = [2.0 * pi * float(own[own > limit].min()) for own in found]
+    ends = None if speeds is None else min(lowest) * speeds.values(min(lowest))
     critical = critical_time_step(part, modes_of(part))
-    return part_template(os.path.relpath(file, case.parent), part, reference, critical, ends, case)
+    return part_template(os.path.relpath(file, case.parent), part, lowest, critical, ends, case)
 
 
 def mesh(

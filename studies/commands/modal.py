@@ -101,8 +101,8 @@ def modes(
         from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
-    computed = study.modes(stage)
-    report, hertz = study.report(computed, count), computed.attrs["reference_frequency_hz"]
+    listed = study.mode_lists(stage)
+    report, hertz = study.report(listed, count), listed.attrs["reference_frequency_hz"]
     emit(report.document, *report.tables, f"ω₁ = {hertz:.6g} Hz", json=json)
     _print_hints(report)
     if output is not None:
@@ -253,7 +253,9 @@ def response(
     shows the amplitudes of all blades and of nodal diameters against the speed. A blade with
     several contact nodes moves by their mean. With --draws, the table and the figure show how much
     mistuning amplifies the largest peak of the tuned blades, for random patterns of the stiffness
-    of blades (bladed_disk.mistuning.stiffness_spread). With --json and no -o nothing is written.
+    of blades (bladed_disk.mistuning.stiffness_spread). With [[joint]] table and figure have the
+    linear limits beside each other: joints free, closed without friction, and stuck; bladewhirl
+    periodic has the amplitudes with friction. With --json and no -o nothing is written.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or "2000 rpm:9000 rpm:10 rpm"; the stop is
@@ -406,8 +408,8 @@ def _model(
     """Return bladed disk and casing of a case file with changes, in their modes, for the speeds of
     an option; `numbers` are those of `modal_model`."""
     with options.case_of(case, overrides) as read:
+        from bladewhirl.models.case.plausibility import speed_hint
         from bladewhirl.models.stage.modal import modal_model
-        from bladewhirl.studies.runs.properties import speed_hint
 
         model = modal_model(read, **numbers)
         reference = model.reference_frequency

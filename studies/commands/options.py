@@ -77,11 +77,19 @@ def speed(name: str) -> Any:
 
 
 def speeds(name: str) -> Any:
-    """Return the typer option of one or more speeds, see `speed`, separated by commas."""
-    expected = 'multiples of the reference frequency, or text such as "5000 rpm,5200 rpm"'
-    return option(
-        name, "SPEED,...", lambda text: [_speed(word) for word in text.split(",")], expected
+    """Return the typer option of one or more speeds, see `speed`, separated by commas, or of a
+    range."""
+    expected = (
+        'multiples of the reference frequency, or text such as "5000 rpm,5200 rpm" or'
+        ' "5000 rpm:6000 rpm:50 rpm"'
     )
+
+    def read(text: str) -> list[Speed]:
+        if ":" in text:
+            return [*steps(name, text).given]  # type: ignore[list-item]  # not numbers in SI units
+        return [_speed(word) for word in text.split(",")]
+
+    return option(name, "SPEED,...", read, expected)
 
 
 def several(name: str, metavar: str, read: Callable[[str], Any], noun: str) -> Any:

@@ -44,14 +44,19 @@ def periodic(
 
     With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
     constant in rotating axes, also above critical speeds and with dampers in the static frame; its
-    forces, the radius of the shaft and its stability are computed.
+    forces, the radius of the shaft and its stability are computed. There can be several such states
+    at a speed, which are all listed. So is that of a wheel on a shaft line with equal bearings, an
+    unbalance and no weight.
 
     With [[joint]], and with a sector or a wheel, the motion is that of all blades of a tuned wheel,
     which touch each other in friction joints and a rigid wall, under engine orders; it is computed
     from one blade or sector. The table lists amplitudes, forces, states and work of the joints and
     of the wall, and stability over deviations of all blades. With --over march.speed,
     joint.NAME.preload, joint.NAME.friction, casing.clearance or excitation.amplitude the motion is
-    followed over the key; the figure marks the smallest amplitude.
+    followed over the key; the figure marks the smallest amplitude. With --over and --speeds, the
+    table and the figure are the design curve of the joints: the largest amplitude over the speeds
+    at each value of the key, with those of joints that are free, closed without friction and
+    stuck, and the value with the smallest one.
 
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
     bladewhirl render, export and plot make films, series for ParaView and figures.
@@ -63,13 +68,13 @@ def periodic(
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or such as "5000 rpm,5200 rpm"; by default the
-            speed of the case.
+            speed of the case; also "5000 rpm:6000 rpm:50 rpm".
         over: Key of the case and its range, such as march.speed=5000rpm:9000rpm or
             "casing.clearance=0.4 mm:0.3 mm"; the branch begins at START.
         blade: Number of the blade; in a rigid wall blades do not influence each other, in a
             flexible casing all have the same motion one after another.
         points: Number of the longest steps from START to STOP, 50 by default; steps are shorter
-            where forces change.
+            where forces change. With --speeds, the number of values of the key, 12 by default.
         periods: Number of periods of the wall and the engine orders in a period of the motion: 2
             for motions after a period doubling.
         origin: Folder of a run, whose last period begins the search at each speed or the branch,
@@ -83,11 +88,19 @@ def periodic(
     if case is None:
         raise UserError("periodic: expected either CASE or --resume DIR")
     if over is not None:
-        options.omitted("--over", {"--speeds": speeds})
         folder = output if json or output is not None else Path(f"{case.stem}-periodic")
         with options.case_of(case, overrides) as read:
             _branch(
-                read, over, blade, points, periods, origin, folder, overwrite=overwrite, json=json
+                read,
+                over,
+                speeds,
+                blade,
+                points,
+                periods,
+                origin,
+                folder,
+                overwrite=overwrite,
+                json=json,
             )
         return
     options.omitted("speeds", {"--points": points})
@@ -102,7 +115,7 @@ def periodic(
     folder = output if json or output is not None else Path(f"{case.stem}-periodic")
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     failures = study.failures(data)
-    if folder is not None and data.sizes["speed"] == 1 and "joint" not in data.dims:
+    if folder is not None and len(set(data["speed"].values)) == 1 and "joint" not in data.dims:
         from bladewhirl.models.inputs.errors import CaseError
         from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.studies.periodic.records import record_motion
@@ -118,6 +131,7 @@ def periodic(
 def _branch(
     case: Case,
     over: str,
+    speeds: Any,
     blade: int,
     points: int | None,
     periods: int,
@@ -140,7 +154,8 @@ def _branch(
             start,
             stop,
             blade=blade,
-            points=study.POINTS if points is None else points,
+            points=points,
+            speeds=None if speeds is None else [each.given for each in speeds],
             periods=periods,
             origin=origin,
             directory=None if applies(case) else folder,
@@ -175,6 +190,8 @@ def _present(data: Any, folder: Path | None, *, json: bool) -> None:
     if folder is not None:
         computed.draw(folder, overwrite=True)
     emit(computed.document, *computed.tables, json=json, written=[folder])
+    if computed.hints:
+        typer.echo(f"Hint: {computed.hints}.", err=True)
     ended = str(data.attrs["ended"])
     if ended.startswith(study.FAILED):
         raise UserError(f"branch {ended}")

@@ -125,9 +125,10 @@ def show(
                     draw(checked, target)
                 typer.echo(f"Wrote {target}.", err=True)
             return
+        from bladewhirl.models.case.plausibility import speed_hint
         from bladewhirl.models.stage.build import build_stage, time_step_faults
         from bladewhirl.models.stage.hints import stage_hints
-        from bladewhirl.studies.runs.properties import speed_hint, stage_properties
+        from bladewhirl.studies.runs.properties import stage_properties
 
         stage = build_stage(checked)
         if faults := list(time_step_faults(stage)):

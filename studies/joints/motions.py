@@ -7,13 +7,15 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder, NoExcitation
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.joints.build import jointed_wheel
+from bladewhirl.models.joints.limits import LIMITS
 from bladewhirl.models.joints.tips import WALL, obstacles
 from bladewhirl.models.joints.wheel import JointedWheel
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.modal_loads import NEVER
@@ -40,7 +42,6 @@ COLUMNS = (
     Column("speed_rpm", "[rpm]", ".1f"),
     Column("amplitude", "amplitude of a point [mm]", ".4g", 1e3),
     Column("point_amplitude"),
-    Column("tip_amplitude"),
     Column("largest_normal_force", "largest normal force [N]", ".4g"),
     Column("share_open", "open [–]", ".2f"),
     Column("share_slipping", "slipping [–]", ".2f"),
@@ -64,9 +65,6 @@ WALL_COLUMNS = (
     Column("wall.drive_work", "work of the drive in a period [J]", ".4g"),
 )
 """Columns of the solutions with a wall."""
-
-LIMITS = {"free": (), "closed without friction": (0,), "stuck": (0, 1, 2)}
-"""Linear limits, with the directions of the joint that do not move: normal, two tangents."""
 
 OF_JOINTS = {
     "largest_normal_force": ("N", "largest normal force"),
@@ -128,6 +126,15 @@ def found_at(
     if reason := beyond(problem, motion):
         raise UserError(f"periodic: at {speed} {reason}")
     return Found(own, problem, motion)
+
+
+def stage_of(case: Case, like: Matrices | None = None) -> Matrices:
+    """Return the stage of a case with joints; `like`: that of a case that differs only in speed,
+    joints and loads."""
+    if like is None:
+        return cast(Matrices, build_stage(case))  # only superelements have joints
+    speed = case.march.speed.rad_per_s(like.reference_frequency)
+    return cast(Matrices, like.with_case(case)).at(speed)
 
 
 def _motion(stage: Matrices, problem: ContactProblem, start: JointMotion | None) -> JointMotion:
@@ -192,6 +199,21 @@ def beyond(problem: ContactProblem, motion: JointMotion) -> str:
     )
 
 
+def amplitudes_of(motion: JointMotion) -> ComplexArray:
+    """Return the complex amplitudes of the lowest engine order at `JointedWheel.shown` [m],
+    (points, 3)."""
+    wheel = motion.grid.wheel
+    order = wheel.shown_order
+    return wheel.at_points(order, motion.of_order(order))[: len(wheel.shown)]
+
+
+def limits_of(wheel: JointedWheel) -> FloatArray:
+    """Return the amplitudes of the same points in the linear limits, (limits, points) [m]."""
+    order = wheel.shown_order
+    moved = [wheel.limit(order, held)[: len(wheel.shown)] for held in LIMITS.values()]
+    return np.asarray(np.linalg.norm(moved, axis=-1))
+
+
 def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.Dataset:
     """Return the Dataset of motions at speeds, for a reference frequency [rad/s]; either all of
     them have a wall or none."""
@@ -213,18 +235,9 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
         "share_slipping": of_joints(lambda m: m.states == SLIPPING, np.mean),
         "work": of_joints(lambda m: m.work, np.sum),
     }
-    order = next(each for each in [*wheel.orders, *wheel.main_orders] if each)
-    points = len(wheel.loaded)
-    amplitude = np.array(
-        [np.abs(each.grid.wheel.at_points(order, each.of_order(order))) for each in motions]
-    )
-    limits = [
-        [
-            np.linalg.norm(each.grid.wheel.limit(order, held)[:points], axis=-1)
-            for held in LIMITS.values()
-        ]
-        for each in motions
-    ]
+    order = wheel.shown_order
+    amplitude = [np.abs(amplitudes_of(each)) for each in motions]
+    limits = [limits_of(each.grid.wheel) for each in motions]
     largest = np.array([abs(multipliers(each)[0]) for each in motions])
     over, nodes = "speed", ("speed", "instant", "joint_node")
     label = f"amplitude of engine order {order}"
@@ -235,12 +248,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
                 for name, (unit, label) in OF_JOINTS.items()
             },
             **_of_wall(motions),
-            "point_amplitude": quantity(
-                (over, "point", "direction"), amplitude[:, :points], "m", label
-            ),
-            "tip_amplitude": quantity(
-                (over, "tip", "direction"), amplitude[:, points:], "m", label
-            ),
+            "point_amplitude": quantity((over, "point", "direction"), amplitude, "m", label),
             "linear_limit": quantity(
                 (over, "limit", "point"),
                 limits,
@@ -273,8 +281,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
             "instant": np.arange(count) / count,
             "joint": list(wheel.names),
             "name": ("joint_node", [wheel.names[n] for n in wheel.joint]),
-            "point": list(wheel.loaded),
-            "tip": np.arange(amplitude.shape[1] - points),
+            "point": list(wheel.shown),
             "direction": ["radial", "tangential", "axial"],
             "limit": list(LIMITS),
         },
@@ -282,6 +289,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
             "title": "periodic motion of all blades of a wheel",
             "case": case.title,
             "engine_order": order,
+            "points": "point" if wheel.loaded else "tip node",
             "blades": wheel.blades,
             "reference_frequency_hz": reference / (2.0 * np.pi),
         },
@@ -378,9 +386,8 @@ def rows_of(data: xr.Dataset, over: str = "speed") -> list[dict[str, Any]]:
                 "speed": float(one["speed"]),
                 "speed_rad_s": float(one["rpm"]) * np.pi / 30.0,
                 "speed_rpm": float(one["rpm"]),
-                "amplitude": _largest(points if len(points) else one["tip_amplitude"].values),
+                "amplitude": _largest(points),
                 "point_amplitude": points.tolist(),
-                "tip_amplitude": one["tip_amplitude"].values.tolist(),
                 **{
                     key: (sum if key == "work" else max)(each[key] for each in contacts.values())
                     for key in (OF_JOINTS if contacts else ())

@@ -107,6 +107,8 @@ def amplification(
     if draws < 1:
         raise UserError(f"response: draws {draws}: expected at least 1")
     given = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
+    if given.joint:
+        raise UserError("response: draws: joints do not act on patterns: expected no [[joint]]")
     factors = drawn_factors(given, draws)
     stage = build_stage(without_mistuning(given), blades=True)
     reference, loads = stage.reference_frequency, engine_orders(stage.case)

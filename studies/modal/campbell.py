@@ -297,14 +297,15 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         title = f"Critical speeds up to {last:g} ω₁"
         tables.append(table(document["critical_speeds"], CRITICAL_SPEEDS, title))
         tables.append(facts(texts(document, SPECIAL_SPEEDS)))
-    if operated is not None:
-        low, high = (60.0 * diagram.attrs["reference_frequency_hz"] * each for each in operated)
-        document["speeds_to_avoid"] = speeds_to_avoid(document, (low, high))
-        title = f"Speeds to avoid, to {NEAR:.0%} from the operating range"
-        tables.append(table(document["speeds_to_avoid"], AVOID, title))
     if not tables:
         none = "No engine order or lobe of the wall excites a family between these speeds"
         tables.append(f"{none}; --orders adds orders.")
+    if operated is not None:
+        low, high = (60.0 * diagram.attrs["reference_frequency_hz"] * each for each in operated)
+        avoided = document["speeds_to_avoid"] = speeds_to_avoid(document, (low, high))
+        near = f"to {NEAR:.0%} from the operating range"
+        title = f"Speeds to avoid, {near}"
+        tables.append(table(avoided, AVOID, title) if avoided else f"No speeds to avoid, {near}.")
     if page is not None:
         from bladewhirl.postprocess.reports.campbell import campbell_page
         from bladewhirl.postprocess.reports.page import write_page

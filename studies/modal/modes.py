@@ -1,9 +1,12 @@
-"""Natural modes of a case: Dataset and JSON document."""
+"""Natural modes of a case: Dataset, JSON document and tables."""
 
-from typing import Any
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.modal_model import ModalModel
@@ -11,6 +14,11 @@ from bladewhirl.models.modal.modes import ListedModes
 from bladewhirl.models.stage.modal import Modelled, modal_model
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Values = Mapping[str, np.ndarray[Any, Any]]  #: values of modes by name, (modes,)
 
 LEVELS = {
     "body": "bladed-disk or casing",
@@ -44,6 +52,22 @@ AT_SPEED = (
     Column("direction_static", "static"),
 )
 """Further columns with rotation effects: the name at rest and the directions of waves."""
+
+NUMBERS = {
+    "frequency": ("Hz", "natural frequency"),
+    "normalised_frequency": ("1", "natural frequency divided by the reference frequency"),
+    "purity": ("1", "share of the nodal diameter in the mode"),
+    "spring_share": ("1", "share of the strain energy in springs"),
+}
+"""Numbers of a mode with their units and long names."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeLists:
+    """Modes of the casing and of the bladed disk with each state of its centre, see `modes`."""
+
+    values: Values  #: values of all modes
+    attrs: Mapping[str, Any]  #: attributes of the Dataset
 
 
 def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
@@ -87,24 +111,39 @@ def modes(case_or_stage: Modelled, *, count: int = 60) -> xr.Dataset:
     """
     if count < 1:
         raise UserError(f"modes: count {count}: expected at least 1")
-    stage = modal_model(case_or_stage, count=count)
+    import xarray as xr  # takes as long to load as the modes of a sector
+
+    listed = mode_lists(modal_model(case_or_stage, count=count))
+    numbers = {
+        name: quantity("mode", listed.values[name], *about) for name, about in NUMBERS.items()
+    }
+    others = {name: ("mode", each) for name, each in listed.values.items() if name not in NUMBERS}
+    data = xr.Dataset(numbers, coords=others).set_index(mode=list(LEVELS))
+    for name, long_name in LEVELS.items():
+        data[name].attrs["long_name"] = long_name
+    return data.assign_attrs(title="natural modes", **listed.attrs)
+
+
+def mode_lists(stage: ModalModel) -> ModeLists:
+    """Return the modes of the casing and of the bladed disk, see `modes`."""
     lists = [_modes_of(disk.listed, stage, centre) for centre, disk in stage.disks.items()]
     if stage.casing_modes.count:
         lists.append(_modes_of(stage.casing_modes, stage))
-    return xr.concat(lists, "mode").assign_attrs(
-        title="natural modes",
-        centre=stage.centre,
-        rotation_effects=stage.effects,
-        hints="; ".join(stage.disk.hints),
-        speed_rpm=stage.speed * 30.0 / np.pi,
-        reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
+    return ModeLists(
+        values={name: np.concatenate([each[name] for each in lists]) for name in lists[0]},
+        attrs={
+            "centre": stage.centre,
+            "rotation_effects": stage.effects,
+            "hints": "; ".join(stage.disk.hints),
+            "speed_rpm": stage.speed * 30.0 / np.pi,
+            "reference_frequency_hz": stage.reference_frequency / (2.0 * np.pi),
+        },
     )
 
 
-def _modes_of(modes: ListedModes, stage: ModalModel, centre: str = "") -> xr.Dataset:
+def _modes_of(modes: ListedModes, stage: ModalModel, centre: str = "") -> Values:
     """Return all modes of the bladed disk with one state of its centre, or of the casing."""
     rotating, static = modes.named_directions(stage.speed, fixed=not centre)
-    reference = stage.reference_frequency
     texts = {
         "body": ["bladed-disk" if centre else "casing"] * modes.count,
         "centre": [centre] * modes.count,
@@ -115,88 +154,82 @@ def _modes_of(modes: ListedModes, stage: ModalModel, centre: str = "") -> xr.Dat
         "direction": rotating,
         "direction_static": static,
     }
-    over_reference = "natural frequency divided by the reference frequency"
-    hertz, normalised = modes.frequency / (2.0 * np.pi), modes.frequency / reference
-    numbers = {
-        "frequency": (hertz, "Hz", "natural frequency"),
-        "normalised_frequency": (normalised, "1", over_reference),
-        "purity": (modes.purity, "1", "share of the nodal diameter in the mode"),
-        "spring_share": (modes.spring_share, "1", "share of the strain energy in springs"),
+    return {
+        "frequency": modes.frequency / (2.0 * np.pi),
+        "normalised_frequency": modes.frequency / stage.reference_frequency,
+        "purity": np.asarray(modes.purity),
+        "spring_share": np.asarray(modes.spring_share),
+        **{name: np.array(values, dtype=object) for name, values in texts.items()},
+        "nodal_diameter": np.asarray(modes.nodal_diameter),
+        "number": np.arange(1, modes.count + 1),
     }
-    data = xr.Dataset(
-        {name: quantity("mode", *values) for name, values in numbers.items()},
-        coords={name: ("mode", np.array(values, dtype=object)) for name, values in texts.items()}
-        | {
-            "nodal_diameter": ("mode", modes.nodal_diameter),
-            "number": ("mode", np.arange(1, modes.count + 1)),
-        },
-    ).set_index(mode=list(LEVELS))
-    for name, long_name in LEVELS.items():
-        data[name].attrs["long_name"] = long_name
-    return data
 
 
-def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
+def document(listed: ModeLists, count: int) -> dict[str, list[dict[str, Any]]]:
     """Return the JSON document of `modes`: the lowest modes of each body, ascending, with `count`
     frequencies, those of both modes of a degenerate pair.
 
     With rotation effects, directions of waves are listed too.
     """
-    effects = computed.attrs["rotation_effects"] != "none"
+    effects = listed.attrs["rotation_effects"] != "none"
     every = (*COLUMNS, *AT_SPEED) if effects else COLUMNS
-    known = any(computed["tip_motion"].values)
+    known = any(listed.values["tip_motion"])
     columns = [column for column in every if known or column.key != "tip_motion"]
-    lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
+    lists = {"bladed_disk": {"body": "bladed-disk", "centre": listed.attrs["centre"]}} | LISTS
     return {
         name: rows_of(_lowest(data, count), columns)
         for name, selection in lists.items()
-        if (data := _selected(computed, selection)) is not None
+        if (data := _selected(listed.values, selection)) is not None
     }
 
 
-def _selected(computed: xr.Dataset, selection: dict[str, str]) -> xr.Dataset | None:
+def _selected(values: Values, selection: Mapping[str, str]) -> Values | None:
     """Return the modes of a body; None if it has none."""
-    chosen = [computed[level].values == value for level, value in selection.items()]
-    return computed.isel(mode=np.all(chosen, axis=0)) if np.all(chosen, axis=0).any() else None
+    chosen = np.all([values[level] == value for level, value in selection.items()], axis=0)
+    return _taken(values, chosen) if chosen.any() else None
 
 
-def _lowest(data: xr.Dataset, count: int) -> xr.Dataset:
+def _lowest(values: Values, count: int) -> Values:
     """Return the lowest modes of a body, of which both modes of a pair count as one."""
-    counted = np.flatnonzero(data["pattern"].values != "sine")
-    return data.isel(mode=slice(counted[count] if count < len(counted) else None))
+    counted = np.flatnonzero(values["pattern"] != "sine")
+    return _taken(values, slice(counted[count] if count < len(counted) else None))
 
 
-def report(computed: xr.Dataset, count: int) -> Study:
+def _taken(values: Values, chosen: Any) -> Values:
+    return {name: each[chosen] for name, each in values.items()}
+
+
+def report(listed: ModeLists, count: int) -> Study:
     """Return the document and the tables of the lowest modes of each body, in `count` rows.
 
     A table has one row for both modes of a pair; the columns "purity" and "at rest" are left out if
     they contain no information.
     """
-    tables, centre = [], computed.attrs["centre"]
-    turning = computed.attrs["rotation_effects"] != "none"
-    at = f", at {computed.attrs['speed_rpm']:.6g} rpm" if turning else ""
-    columns = (*COLUMNS, *AT_SPEED) if "wave" in computed["pattern"].values else COLUMNS
+    tables, centre = [], listed.attrs["centre"]
+    turning = listed.attrs["rotation_effects"] != "none"
+    at = f", at {listed.attrs['speed_rpm']:.6g} rpm" if turning else ""
+    columns = (*COLUMNS, *AT_SPEED) if "wave" in listed.values["pattern"] else COLUMNS
     for title, body in (
         (f"Bladed disk, {centre} centre{at}", {"body": "bladed-disk", "centre": centre}),
         ("Casing", LISTS["casing"]),
     ):
-        listed = _selected(computed, body)
-        if listed is None:
+        own = _selected(listed.values, body)
+        if own is None:
             continue
-        data = _lowest(listed, count)
-        single = data.isel(mode=(data["pattern"] != "sine").values)
+        data = _lowest(own, count)
+        single = _taken(data, data["pattern"] != "sine")
         unknown = bool((single["nodal_diameter"] < 0).all())
         plain = {
             "nodal_diameter": unknown,
             "purity": unknown or bool((single["purity"] > 0.9995).all()),
-            "tip_motion": not any(single["tip_motion"].values),
+            "tip_motion": not any(single["tip_motion"]),
             "family_at_rest": bool((single["family"] == single["family_at_rest"]).all()),
         }
         shown = [column for column in columns if not plain.get(column.key, False)]
         tables.append(table(rows_of(single, shown), shown, title))
     return Study(
         name="modes",
-        document=mode_lists(computed, count),
+        document=document(listed, count),
         tables=tables,
-        hints=computed.attrs["hints"],
+        hints=listed.attrs["hints"],
     )

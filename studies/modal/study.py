@@ -5,15 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import xarray as xr
-
 from bladewhirl.models.inputs import progress
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
     from rich.table import Table
 
-Figures = Mapping[str, tuple["Figure", xr.Dataset]]
+Figures = Mapping[str, tuple["Figure", "xr.Dataset"]]
 """Figures and their data, by file name without suffix."""
 
 

@@ -1,6 +1,6 @@
 """Branches of periodic motions over a key of the case, through folds: Dataset, rows, document."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
@@ -31,8 +31,11 @@ from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.continuation import Continuation, Point
 from bladewhirl.solvers.periodic.search import prolonged
 from bladewhirl.studies.joints import branches as joints
+from bladewhirl.studies.joints.design import VALUES, design
+from bladewhirl.studies.joints.design import report as report_design
 from bladewhirl.studies.joints.motions import ALL_BLADES, applies
 from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.periodic import corotating_branches
 from bladewhirl.studies.periodic.branch_file import (
     UNITS,
     BranchFile,
@@ -143,7 +146,8 @@ def branch(
     stop: float | str,
     *,
     blade: int = 0,
-    points: int = POINTS,
+    points: int | None = None,
+    speeds: Sequence[float | str] | None = None,
     instants: int = INSTANTS,
     periods: int = 1,
     origin: str | Path | None = None,
@@ -157,14 +161,21 @@ def branch(
     a folder, and ends where the key leaves the range. Folds, period doublings and Neimark-Sacker
     bifurcations are points of their own; each was found again with twice as many instants.
 
+    The branch of contact that is constant in rotating axes, see `bladewhirl.periodic`, is followed
+    from its first state, or from the motion without contact. Between corners, where a tip joins or
+    leaves those in contact, its points are exact; folds are corners. The Dataset has over `point`
+    the variables of `bladewhirl.periodic`, with `parameter` and `kind`; nothing is written.
+
     Args:
         case: case as for `bladewhirl.periodic`.
         over: key of the case, such as "march.speed" or "casing.clearance".
         start: value at the start, as in a case file: a number, or text with a unit.
         stop: value at the other end of the range.
         blade: number of the blade.
-        points: number of the longest steps from start to stop; steps are shorter where forces
-            change.
+        points: number of the longest steps from start to stop, by default 50; steps are shorter
+            where forces change. With speeds, the number of values of the key, by default 12.
+        speeds: of a case with [[joint]], speeds between which the largest amplitude is found at
+            each value of the key, see below; None: the motion is followed at the speed of the case.
         instants: number of instants in a period of the motion, a power of two.
         periods: number of periods of the wall and the loads in a period of the motion; motions
             after a period doubling have two.
@@ -181,7 +192,10 @@ def branch(
         Neimark-Sacker), `stable`, `residual`; `multiplier_real`, `multiplier_imaginary`, the
         largest first; over (point, instant, node): `normal_force` [N], `slip_direction` [rad],
         `contact_displacement` [m] in three directions; `amplitude` [m] of the harmonics. The
-        attribute `ended` tells why the branch ends.
+        attribute `ended` tells why the branch ends. With speeds, over `value` of the key:
+        `peak_amplitude` [m] of the points, `peak_rpm`, `place` ("peak" or "end of the range"),
+        `largest_multiplier` and `stable`; over (value, speed) `amplitude` [m], NaN where no motion
+        was found; over (limit, speed) `linear_limit` [m]. Values near the smallest peak are added.
 
     Raises:
         CaseError: the case cannot be built at a value.
@@ -190,7 +204,7 @@ def branch(
     """
     if instants < 64 or instants & (instants - 1):
         raise UserError(f"branch: instants {instants}: expected a power of two of at least 64")
-    if points < 1:
+    if points is not None and points < 1:
         raise UserError(f"branch: points {points}: expected at least 1")
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
@@ -200,7 +214,17 @@ def branch(
             raise UserError(
                 f"branch: {ALL_BLADES}: expected no blade, periods, origin and directory"
             )
-        return joints.branch(case, parameter, points, progress)
+        if speeds is not None and case.joint:
+            return design(case, parameter, speeds, points or VALUES, progress)
+        if speeds is None:
+            return joints.branch(case, parameter, points or POINTS, progress)
+    if speeds is not None:
+        raise UserError("branch: speeds: expected none without [[joint]], or a sweep")
+    points = points or POINTS
+    if corotating_branches.applies(case, parameter):
+        if (blade, periods, origin) != (0, 1, None):
+            raise UserError("branch: constant contact: expected no blade, periods and origin")
+        return corotating_branches.branch(case, parameter, points, progress)
     family = Family(case, parameter, blade, periods)
     grid = family.grid(parameter.start, instants)
     first = _first(grid, parameter, None if origin is None else Path(origin), blade)
@@ -487,8 +511,12 @@ def _derived(data: xr.Dataset) -> xr.Dataset:
 
 def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of a branch."""
+    if "limit" in data.dims and "value" in data.dims:
+        return report_design(data)
     if "joint" in data.dims:
         return joints.report(data)
+    if "growth_rate" in data:
+        return corotating_branches.report(data)
     real, imaginary = (data[f"multiplier_{part}"].values for part in ("real", "imaginary"))
     found = rows_of(
         data.assign(

@@ -216,11 +216,12 @@ def of_corotating(problem: ContactProblem, contact: CorotatingContact) -> tuple[
     force = -contact.normal[:, None] * np.array([1.0, way, 0.0])
     around = np.broadcast_to(force, (AROUND * len(problem.casing.nodal), *force.shape))
     wall = _casing(problem, around, problem.rotor.tip_angle, 1)
+    supports = contact.supports, contact.supports_velocity(problem.speed)
     start = Start(
         rotor=contact.rotor,
         rotor_velocity=np.zeros_like(contact.rotor),
-        casing=wall[0],
-        casing_velocity=wall[1],
+        casing=np.append(wall[0], supports[0]),
+        casing_velocity=np.append(wall[1], supports[1]),
         contact_force=force,
     )
     return start, float(contact.normal.sum() * 2.0 * np.pi / abs(problem.speed))
@@ -229,8 +230,8 @@ def of_corotating(problem: ContactProblem, contact: CorotatingContact) -> tuple[
 def _casing(
     problem: ContactProblem, force: FloatArray, angle: FloatArray, copies: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return modal displacements and velocities of a uniform casing at t = 0 in its periodic motion
-    under contact forces on moving tips, (modes,) each.
+    """Return modal displacements and velocities of a uniform casing without supports at t = 0 in
+    its periodic motion under contact forces on moving tips, (modes,) each.
 
     Args:
         problem: contact problem.
@@ -239,7 +240,7 @@ def _casing(
         angle: angle of each of these tips from +x at t = 0 [rad], (tips,).
         copies: number of blades, at equal angles, whose forces follow one another.
     """
-    casing, speed = problem.casing, problem.speed
+    casing, speed = problem.casing.wall, problem.speed
     instants = len(force)
     if not casing.is_flexible:
         return np.zeros(0), np.zeros(0)

@@ -13,14 +13,12 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import speed_of
-from bladewhirl.models.shaft_line.line import refuse_line
 from bladewhirl.models.stage.build import Buildable, build_stage, contact_problem
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
-from bladewhirl.solvers.periodic.corotating import obstacles
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.studies.joints import motions as joints
 from bladewhirl.studies.modal.study import Study
@@ -88,17 +86,20 @@ def periodic(
 
     If the loads are constant in rotating axes, as those of an imbalance, and the wall is round,
     contact is constant in these axes too: on bladed disks of beams or superelements, in a rigid or
-    a uniform flexible casing. The Dataset then has `normal_force` [N] and `gap` [m] of each tip,
-    `centre` [m], `impulse_per_revolution`, `growth_rate` [1/s] of the fastest small deviation,
-    `multipliers`, the factors of deviations in a turn, and `stable`. Above critical speeds and with
-    dampers in the static frame there can be several such motions: a stable one is returned if the
-    search finds one.
+    a uniform flexible casing. The Dataset then has `normal_force` [N], `gap` [m] and
+    `tip_displacement` [m] of each tip, `centre` [m], `impulse_per_revolution`, `growth_rate` [1/s]
+    and `growth_frequency` [rad/s] of the fastest small deviation, `multipliers`, the factors of
+    deviations in a turn, and `stable`. Above critical speeds and with dampers in the static frame
+    there can be several such motions: all that the search finds follow one another along `speed`,
+    stable ones first, at last the one without contact. On a shaft line with equal bearings there
+    are also `shaft_displacement` [m, rad] of each node in rotating axes, `bearing_amplitude` [m]
+    and `bearing_force` [N].
 
     A case with [[joint]], a sector or a wheel has the motion of all blades of a tuned wheel, from
     one of them, under engine orders and in a rigid wall. The Dataset then has over (speed, joint)
     `largest_normal_force` [N], `share_open`, `share_slipping` and `work` [J] in a period, for each
     joint and the "casing wall" if tips touch it; `impulse_per_revolution` [N s], `friction_heat`
-    and `drive_work` [J] in a period at the wall; `point_amplitude` and `tip_amplitude` [m]; and
+    and `drive_work` [J] in a period at the wall; `point_amplitude` [m]; and
     over (speed, instant, joint_node) `normal_force`, `tangential_force` [N],
     `relative_displacement` [m] and `state`.
 
@@ -133,15 +134,15 @@ def periodic(
             found.
     """
     stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
-    refuse_line(stage)
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
-    of_all: list[joints.Found] = []
-    solutions, constant, failures, reference = [], [], [], 1.0
+    solutions, failures, reference = list[Solution](), list[str](), 1.0
+    constant, of_all = list[corotating.State](), list[joints.Found]()
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
-        at_speed = build_stage(with_values(stage, {"march.speed": speed.given}))
+        own = corotating.without_steps(with_values(stage, {"march.speed": speed.given}))
+        at_speed = joints.stage_of(own, of_all[-1].stage) if of_all else build_stage(own)
         reference = at_speed.reference_frequency
         problem = contact_problem(at_speed, steps=False)
         rests = not stage.joint and corotating.is_corotating(problem)
@@ -153,7 +154,7 @@ def periodic(
             if by_sector:
                 of_all.append(joints.found_at(at_speed, problem, str(speed), of_all))
             elif structure is None:
-                constant.append((problem, corotating.solution(problem, str(speed))))
+                constant += corotating.states(problem, str(speed))
             else:
                 start = None if origin is None else motion_of(Path(origin), structure, blade)
                 solutions.append(solution(problem, structure, str(speed), blade, start))
@@ -164,7 +165,7 @@ def periodic(
     if of_all:
         data = joints.dataset(stage, joints.alike(of_all), reference)
     elif constant:
-        data = corotating.dataset(stage, constant, reference)
+        data = corotating.dataset(at_speed, constant)
     elif solutions:
         data = _dataset(stage, solutions, reference).assign_attrs(blade=blade, periods=periods)
     else:
@@ -178,7 +179,6 @@ def nodes_of(stage: Stage, blade: int) -> Stage:
     Raises:
         UserError: it has no such blade.
     """
-    refuse_line(stage.case)
     table = stage.case.bladed_disk.superelement
     expected = "a superelement, as tips of beams have mass"
     if table is not None:
@@ -186,9 +186,11 @@ def nodes_of(stage: Stage, blade: int) -> Stage:
             f'bladed_disk.superelement.kind = "blade", found "{table.kind}", whose blades move'
             " each other through the disk: a march shows their motion"
         )
-    if table is None or table.kind != "blade":
+    if stage.case.shaft_line is not None:
+        expected = "a case without [shaft_line]: a march shows the motion of a line"
+    if stage.case.shaft_line is not None or table is None or table.kind != "blade":
         problem = contact_problem(stage, steps=False)
-        reason = next(iter(obstacles(problem)), "no load acts on the bladed disk")
+        reason = next(corotating.reasons(stage.case, problem), "no load acts on the bladed disk")
         raise UserError(
             f"periodic: {reason}, so that contact is not constant in rotating axes; other motions"
             f" need {expected}"

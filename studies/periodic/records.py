@@ -42,7 +42,8 @@ def record_motion(
 
     Args:
         case: case of the motion.
-        data: Dataset of `bladewhirl.periodic` for one speed.
+        data: Dataset of `bladewhirl.periodic` for one speed; of several constant contacts the first
+            is taken.
         directory: folder of result.nc and case.toml.
         overwrite: whether files of the folder that bladewhirl did not write may be replaced.
 
@@ -54,8 +55,8 @@ def record_motion(
         ViewError: the motion is so unstable that a march leaves it within a turn.
         UserError: there are several speeds, or the folder cannot be written.
     """
-    if data.sizes["speed"] != 1:
-        raise UserError(f"record_motion: {data.sizes['speed']} speeds; expected one")
+    if (speeds := len(np.unique(data["rpm"]))) != 1:
+        raise UserError(f"record_motion: {speeds} speeds; expected one")
     one, folder = data.isel(speed=0), Path(directory)
     speed = f"{float(one['rpm'])!r} rpm"
     own = with_values(case, {"march.speed": speed})

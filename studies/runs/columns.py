@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
     from rich.table import Table
 
@@ -97,16 +98,21 @@ def facts(values: Mapping[str, str]) -> Table:
     return printed
 
 
-def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> list[dict[str, Any]]:
+def rows_of(
+    data: xr.Dataset | Mapping[str, np.ndarray[Any, Any]],
+    columns: Sequence[Column],
+    prefix: str = "",
+) -> list[dict[str, Any]]:
     """Return variables over one dimension as rows; missing values (NaN) are None.
 
     Args:
-        data: Dataset with the variables.
+        data: Dataset, or arrays by name, with the variables.
         columns: columns of the rows.
         prefix: prefix of the names of the variables.
     """
     names = [f"{prefix}{column.variable or column.key}" for column in columns]
-    values = zip(*(data[name].values.tolist() for name in names), strict=True)
+    arrays = (getattr(data[name], "values", data[name]) for name in names)
+    values = zip(*(each.tolist() for each in arrays), strict=True)
     keys = [column.key for column in columns]
     rows = (dict(zip(keys, row, strict=True)) for row in values)
     return [{key: v if v == v else None for key, v in row.items()} for row in rows]

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.ring_mesh import W
-from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.stage.contact_problem import critical_time_step
@@ -18,20 +17,6 @@ from bladewhirl.solvers.packing.rotor import blade_columns
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
 """Name of the method that marches a body, with and without use of cyclic symmetry."""
-
-
-def speed_hint(case: Case, speed: float) -> str:
-    """Return which speed [rad/s] studies at one speed use if the speed of a case varies; an empty
-    text at a constant speed."""
-    march = case.march
-    if not march.varies:
-        return ""
-    key = "speed_table" if march.speed_table is not None else "run_up"
-    which = f"the fastest speed of march.{key}"
-    if march.drive is not None:
-        which = "march.speed, at which the free speed starts"
-    rpm = speed * 30.0 / np.pi
-    return f"the speed varies; values at one speed are those at {rpm:.6g} rpm, {which}"
 
 
 def stage_properties(stage: Stage) -> dict[str, Any]:

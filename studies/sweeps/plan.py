@@ -31,7 +31,8 @@ from bladewhirl.studies.sweeps.carried import (
 )
 from bladewhirl.studies.sweeps.draws import Draws, parse_draws
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
-from bladewhirl.studies.sweeps.points import Point, stage_at
+from bladewhirl.studies.sweeps.points import Point
+from bladewhirl.studies.sweeps.stages import stage_at
 from bladewhirl.studies.sweeps.starts import (
     SPEED,
     START,

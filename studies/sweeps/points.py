@@ -15,12 +15,9 @@ from tempfile import TemporaryDirectory
 
 import xarray as xr
 
-from bladewhirl.models.case.analysis import Contact, Initial, March
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
@@ -33,11 +30,8 @@ from bladewhirl.studies.runs.prepare import Change, prepare, screened
 from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 from bladewhirl.studies.sweeps.carried import continued, late_state, read_state, write_state
+from bladewhirl.studies.sweeps.stages import stage_at
 from bladewhirl.studies.sweeps.starts import StartName, begun, start_of
-
-KEPT_STAGES = 2
-"""Number of stages that a worker caches: neighbouring points of a sweep over speed have the same
-stage."""
 
 IN_MEMORY = 500_000_000
 """Largest size of a history in the memory of a worker [bytes]; a larger history is kept in a file
@@ -102,29 +96,6 @@ def march_point(work: Work, point: Point) -> Outcome:
 @lru_cache(maxsize=1)
 def _varied(text: str) -> Case:
     return loads(text)
-
-
-def stage_at(case: Case) -> Stage:
-    """Return the stage of a case; cases that differ only in load and march use the same models.
-
-    With rotation effects the models also depend on the speed.
-    """
-    turns = case.effects != "none"
-    body = case.model_copy(
-        update={
-            "title": "",
-            "march": March(speed=case.march.speed) if turns else March(),
-            "contact": Contact(),
-            "excitation": NoExcitation(),
-            "initial": Initial(),
-        }
-    )
-    return _body(body).with_case(case)
-
-
-@lru_cache(maxsize=KEPT_STAGES)
-def _body(case: Case) -> Stage:
-    return build_stage(case)
 
 
 def _march_point(work: Work, case: Case, point: Point) -> Digest:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.models.case.case import case_from
+from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.shaft_line.hub_waves import hub_waves
 from bladewhirl.models.shaft_line.line import LineModel, line_model
 from bladewhirl.models.shaft_line.whirl import line_modes, unbalance_response
@@ -27,6 +27,7 @@ from bladewhirl.models.superelements.hub import (
 )
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.periodic.corotating import contact_states
 from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 RPM = np.pi / 30.0
@@ -323,3 +324,64 @@ def solid_wheel() -> Pair:
         for one in (rigid, solid)
     )
     return known, ours
+
+
+STIFF = 2.1e15  #: Young's modulus of a wheel and a shaft that are almost rigid [Pa]
+HELD, LOST = 1e6, 200.0  #: stiffness and damping of both bearings [N/m, N s/m]
+CLEARANCE, ECCENTRICITY, FRICTION = 1e-3, 3e-4, 0.2  #: [m], of the mass [m], coefficient
+LENGTH, RUBS = 0.6, (600.0, 700.0)  #: length of the shaft [m], speeds [rad/s]
+
+
+def jeffcott(file: str, omega: float, unbalance: float, phase: float) -> Case:
+    """Return the case of a wheel in the middle of a shaft without mass, in a rigid wall."""
+    ends = [{"position": z, "stiffness": HELD / 2, "damping": LOST / 2} for z in (0.0, LENGTH)]
+    middle = {"position": LENGTH / 2}
+    return case_from(
+        {
+            "bladed_disk": {"superelement": {"file": file}},
+            "material": {"young_modulus": STIFF, "density": 1e-3},
+            "shaft_line": {
+                "segments": [{"length": LENGTH, "outer_diameter": 0.04, "elements": 2}],
+                "bearings": ends,
+                "wheel": middle | {"unknowns": "two"},
+                "unbalance": [middle | {"unbalance": unbalance, "phase": phase}],
+            },
+            "casing": {"type": "rigid", "clearance": CLEARANCE},
+            "contact": {"friction": FRICTION},
+            "reduction": {"free_interface_modes": 12},
+            "march": {"speed": f"{omega} rad/s"},
+        }
+    )
+
+
+@verifies()
+def jeffcott_rub() -> Pairs:
+    """Compare all constant rubs of the first tip of a Jeffcott rotor above its critical speed with
+    the roots of its equations; at the second speed there are two.
+
+    With the dynamic stiffness k and the damping d of the bearings, |k c + lambda (1 + i mu)| = m e
+    Omega^2, and small deviations y of the tip along the wall satisfy m y'' + (d + 2 mu m Omega) y'
+    + (Re k + mu d Omega) y = 0.
+    """
+    part, turn = ring(STIFF, 0.004), 1.0 + 1j * FRICTION
+    motions = rigid_motions(part)
+    mass = float(of_all_sectors(motions.T @ (part.mass @ motions), SECTORS)[0, 0])
+    force, growth = list[list[float]](), list[list[float]]()
+    with TemporaryDirectory() as folder:
+        file = f"{folder}/wheel.npz"
+        write_superelement(file, part)
+        for omega in RUBS:
+            still, drag = HELD - mass * omega**2, LOST + 2.0 * FRICTION * mass * omega
+            moved, push = (still + 1j * omega * LOST) * CLEARANCE, mass * ECCENTRICITY * omega**2
+            middle = 2.0 * (moved * turn.conjugate()).real
+            roots = np.roots([abs(turn) ** 2, middle, abs(moved) ** 2 - push**2])
+            along = np.roots([mass, drag, still + FRICTION * LOST * omega])
+            for root in roots[roots > 0.0]:
+                phase = float(np.angle(moved + root * turn)) + np.pi / SECTORS  # of a tip
+                case = jeffcott(file, omega, mass * ECCENTRICITY, phase)
+                found = contact_states(contact_problem(build_stage(case), steps=False))
+                (one,) = (each for each in found if each.normal[0] and not each.normal[3:].any())
+                force.append([root, one.normal.sum()])
+                growth.append([along.real.max(), one.rates[0].real])
+    known, ours = (np.transpose(each) for each in (force, growth))
+    return {"rub_force": (known[0], known[1]), "rub_growth": (ours[0], ours[1])}

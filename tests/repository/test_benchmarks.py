@@ -14,6 +14,7 @@ BENCHMARKS = ROOT / "benchmarks"
     ("script", "arguments", "words"),
     [
         ("march.py", ["--repeat", "1"], ["no contact", "few contacts", "NumPy"]),
+        ("shaft_line.py", ["--repeat", "1"], ["fan on the line", "ready after", "301"]),
         (
             "sweep.py",
             ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],

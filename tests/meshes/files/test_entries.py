@@ -277,6 +277,45 @@ def test_ranges_of_abaqus_reach_their_last_number(
         assert read_volume_mesh(path).groups["chosen"].tolist() == expected
 
 
+@pytest.mark.parametrize("keyword", ["*ELEMENT, TYPE=C3D20", "*ELEMENT, TYPE=MASS"])
+def test_blank_fields_of_an_element_of_abaqus_are_refused(tmp_path: Path, keyword: str) -> None:
+    """Left out, they would move the following nodes, and those of the next element, forward."""
+    nodes = ", ".join(map(str, range(1, 20)))
+    with pytest.raises(MeshFileError, match=r"a number in every field, got 900, , 1.*ELEMENT"):
+        read_volume_mesh(abaqus(tmp_path, f"{keyword}\n900, , {nodes}, 20, 21\n"))
+
+
+def test_a_blank_field_of_a_material_of_abaqus_keeps_its_place(tmp_path: Path) -> None:
+    path = abaqus(tmp_path, "")
+    path.write_text(path.read_text().replace("2.1e11, 0.3", ", 0.3"))
+    (section,) = read_volume_mesh(path).sections
+    assert section.properties == {"poisson_ratio": 0.3, "density": 7800.0}
+
+
+def test_boundary_conditions_of_abaqus_that_would_hold_nothing_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(MeshFileError, match="degrees of freedom from low to high, got 3, 1"):
+        read_volume_mesh(abaqus(tmp_path, "*BOUNDARY\nroot, 3, 1\n"))
+
+
+def test_boundary_conditions_of_abaqus_that_free_nodes_are_named(tmp_path: Path) -> None:
+    freed = "*BOUNDARY\nroot, 1, 3\n*STEP\n*BOUNDARY, OP=NEW\ntip, 1, 3\n*END STEP\n"
+    (note,) = read_volume_mesh(abaqus(tmp_path, freed)).ignored
+    assert note.startswith("*BOUNDARY, OP=NEW")
+    only = "*STEP\n*BOUNDARY, OP=NEW\nroot, 1, 3\n*END STEP\n"
+    assert read_volume_mesh(abaqus(tmp_path, only)).ignored == ()
+
+
+def test_grdset_holds_nodes_without_constraints_of_their_own(tmp_path: Path) -> None:
+    mesh = read_volume_mesh(bulk(tmp_path, more="GRDSET,,,,,,,123\n"))
+    assert len(held(mesh)) == len(mesh.points)
+
+
+def test_a_property_of_ansys_without_material_belongs_to_the_first(tmp_path: Path) -> None:
+    path = cdb(tmp_path, more="MP,DENS,,9000\n")
+    given = [section.properties["density"] for section in read_volume_mesh(path).sections]
+    assert given == [9000.0]
+
+
 def test_messages_are_not_those_of_code(tmp_path: Path) -> None:
     for text in ("GRID,1\nCHEXA,1\n", "GRID,1,,0.\nSPC1\n", "SPCADD\nGRID,1\nSET1\n", "GRID,x\n"):
         (tmp_path / "a.bdf").write_text(f"BEGIN BULK\n{text}ENDDATA\n")

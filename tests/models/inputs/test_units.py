@@ -2,6 +2,7 @@
 
 import math
 from contextlib import suppress
+from typing import Literal
 
 import pytest
 from hypothesis import given, settings
@@ -34,18 +35,27 @@ def test_text_becomes_si(text: str, unit: str, value: float) -> None:
     assert to_si(text, unit) == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize("unit", units._PREFIXED)
+NUMBERS = "210", "0.1", "-7.975e-6", "1.2345678901234567e10", "3"
+
+
+@pytest.mark.parametrize("unit", [*units._PREFIXED, *units._OTHERS])
 def test_what_is_read_without_pint_is_what_pint_reads(
     unit: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    texts = [
-        f"{number} {prefix}{unit}"
-        for number in ("210", "0.1", "-7.975e-6", "1.2345678901234567e10", "3")
-        for prefix in units._PREFIXES
-    ]
+    texts = [f"{number} {name}" for number in NUMBERS for name in units._factors(unit)]
     quick = [to_si(text, unit) for text in texts]
-    monkeypatch.setattr(units, "_prefixed", lambda text, unit: None)
+    monkeypatch.setattr(units, "_known", lambda text, factors: None)
     assert quick == [to_si(text, unit) for text in texts]
+
+
+@pytest.mark.parametrize("unit", [RAD_PER_S, TURN_PER_S])
+def test_speeds_read_without_pint_are_what_pint_reads(
+    unit: Literal["rad/s", "turn/s"], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts = [f"{number} {name}" for number in NUMBERS for name in units._SPEEDS]
+    quick = [rotation(text, unit) for text in texts]
+    monkeypatch.setattr(units, "_known", lambda text, factors: None)
+    assert quick == [rotation(text, unit) for text in texts]
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.rotor_on_line import RotorOnLine
 from bladewhirl.models.superelements.file import write_superelement
@@ -83,7 +84,7 @@ def fan_case(folder: Path, march: dict[str, Any], kind: str = "wheel", **changed
         "axial": {"position": 0.0, "stiffness": 5e7},
         "unbalance": [{"position": 0.6, "unbalance": UNBALANCE}],
     }
-    copies = {"copies": SECTORS} if kind == "wheel" else {}
+    copies = {"copies": SECTORS} if kind != "sector" else {}
     return case_from(
         {
             "material": {"young_modulus": E, "density": RHO},
@@ -108,6 +109,22 @@ def marched(stage: RotorOnLine, step: float, end: float, every: int = 10) -> Chu
     """The records of a march."""
     scheme = make_scheme(contact_problem(stage), step, every)
     return scheme.advance(scheme.init(), round(end / step) + 1)[1]
+
+
+FREE: dict[str, Any] = {
+    "casing": {"type": "rigid", "clearance": 0.5},
+    "shaft_line": {"unbalance": []},
+    "reduction": {"free_interface_modes": 40},
+}
+
+
+def without_bearings(stage: RotorOnLine, start: Start) -> Any:
+    """The contact problem of a rotor whose bearings exert no forces."""
+    problem = contact_problem(stage)
+    assert problem.bearings is not None
+    nothing = 0.0 * problem.bearings.stiffness
+    free = replace(problem.bearings, stiffness=nothing, damping=nothing)
+    return replace(problem, bearings=free, start=start)
 
 
 class Whole:
@@ -223,8 +240,8 @@ def test_the_march_is_the_motion_of_the_unreduced_rotor(
     assert max(map(ledger_residual, found)) < 1e-9
     corrected = moved[1] + (moved[1] - moved[0]) / 3.0  # second order in the step
     scale = np.abs(exact).max()
-    assert np.abs(moved[1] - exact).max() < 5e-5 * scale
-    assert np.abs(corrected - exact).max() < 5e-5 * scale
+    assert np.abs(moved[1] - exact).max() < 8e-5 * scale
+    assert np.abs(corrected - exact).max() < 8e-5 * scale
 
 
 def remaining(part: Any) -> Any:
@@ -330,14 +347,7 @@ def test_a_wheel_pressed_into_a_cone_is_in_balance(folder: Path) -> None:
 def test_a_free_tilted_rotor_keeps_its_momentum_about_the_axis(folder: Path) -> None:
     """Without bearings and with a free speed, which the tilt changes; the drive has an inertia."""
     march = {"speed": "600 rad/s", "drive": {"inertia": 0.02}, "displacement_limit": 1.0}
-    wide: dict[str, Any] = {"casing": {"type": "rigid", "clearance": 0.5}}
-    wide |= {"shaft_line": {"unbalance": []}, "reduction": {"free_interface_modes": 40}}
-    case = fan_case(folder, march, **wide)
-    stage = stage_of(case)
-    problem = contact_problem(stage)
-    assert problem.bearings is not None
-    nothing = 0.0 * problem.bearings.stiffness
-    free = replace(problem.bearings, stiffness=nothing, damping=nothing)
+    stage = stage_of(fan_case(folder, march, **FREE))
     rigid = np.flatnonzero(stage.rotor.frequency < 0.0)
     arm = np.linspace(-0.3, 0.3, NODES)[:, None] * [1.0, 0.0] + [0.0, 1.0]
     tilted = (0.02 + 0.01j) * arm
@@ -348,7 +358,7 @@ def test_a_free_tilted_rotor_keeps_its_momentum_about_the_axis(folder: Path) -> 
     start = stage.rotor_rest
     start[rigid] = np.linalg.lstsq(rows, moved)[0]
     begin = Start.of_rotor(start, stage.rotor_rest, 0)
-    scheme = make_scheme(replace(problem, start=begin, bearings=free), 2e-6, 100)
+    scheme = make_scheme(without_bearings(stage, begin), 2e-6, 100)
     chunk = scheme.advance(scheme.init(), 10001)[1]
     momentum = chunk.angular_momentum
     assert np.ptp(chunk.rotation_speed) > 1e-4 * stage.speed
@@ -356,8 +366,52 @@ def test_a_free_tilted_rotor_keeps_its_momentum_about_the_axis(folder: Path) -> 
     total = chunk.energy + chunk.rotor_energy
     assert np.ptp(total) < 1e-5 * abs(total[0])  # Coriolis forces half a step late, see `speed.h`
     assert not list(stage.own_hints())
-    (hint,) = stage_of(fan_case(folder, march | {"drive": {"inertia": 0.0}}, **wide)).own_hints()
+    (hint,) = stage_of(fan_case(folder, march | {"drive": {"inertia": 0.0}}, **FREE)).own_hints()
     assert hint.startswith("march.drive.inertia = 0 kg m2")
+
+
+@pytest.mark.parametrize(
+    ("march", "size", "tolerance"),
+    [({}, 1e-3, 1e-10), ({"drive": {"inertia": 0.02}}, 1e-8, 2e-10)],
+    ids=["constant", "free"],
+)
+def test_a_free_vibrating_rotor_keeps_its_momentum_across_the_axis(
+    march: dict[str, Any], size: float, tolerance: float, folder: Path
+) -> None:
+    """In static axes, from the unreduced matrices: B^T (M z' - i W P z) for the translation and the
+    tilt, P B = 2 M B + G B J. A free speed changes with the motion, whose second order linear
+    equations lack: its motion is small."""
+    step = 8e-6
+    march = march | {"speed": "600 rad/s", "time_step": step, "record_step": step}
+    march |= {"displacement_limit": 10.0}
+    wheel = mesh3d(whole(fan_sector(SECTORS), SECTORS), **STEEL, stiffening="stress")
+    write_superelement(folder / "stress.npz", wheel)
+    stage = stage_of(fan_case(folder, march, "stress", **FREE))
+    mass, gyroscopic = stage.part.mass, stage.part.gyroscopic
+    rigid, shapes = stage.on_line.rigid, stage.reduced.shapes
+    assert rigid is not None
+    assert shapes is not None
+    assert gyroscopic is not None
+    away = rigid - shapes @ np.linalg.lstsq(shapes, rigid)[0]
+    assert np.linalg.norm(away) < 1e-12 * np.linalg.norm(rigid)
+    tilt, thrown = rigid @ [1.0, 0.5, 1.0, -0.3], rigid @ [30.0, -20.0, 100.0, 70.0]
+    place, rate = (shapes.T @ (mass @ each) for each in (tilt, thrown))
+    rate[:12] += 100.0 * np.random.default_rng(1).standard_normal(12)  # blades and shaft vibrate
+    begin = Start.of_rotor(size * place, size * rate, 0)
+    scheme = make_scheme(without_bearings(stage, begin), step, 1)
+    chunk = scheme.advance(scheme.init(), 1001)[1]
+    moved, turns = chunk.rotor_displacement, np.full(1000, stage.speed)
+    if stage.case.march.drive is not None:
+        turns = 0.5 * (chunk.rotation_speed[1:] + chunk.rotation_speed[:-1])
+    angle = step * np.concatenate([[0.0], np.cumsum(turns)])
+    motion = (rigid[:, 0::2] + 1j * rigid[:, 1::2]).T
+    inert, across = motion @ (mass @ shapes), motion @ (gyroscopic @ shapes)
+    turned = np.exp(1j * angle)[:, None]
+    place, spun = turned * (moved @ inert.T), turned * (moved @ (2.0 * inert + 1j * across).T)
+    momentum = np.diff(place, axis=0) / step - 0.5j * turns[:, None] * (spun[1:] + spun[:-1])
+    changes = np.abs(momentum - momentum[0]).max(axis=0) / np.abs(momentum[0])
+    assert (changes < tolerance).all()
+    assert (np.abs(np.diff(momentum, axis=0)) > 0.0).any()
 
 
 def test_supports_move_beside_a_flexible_casing(folder: Path) -> None:
@@ -374,18 +428,85 @@ def test_supports_move_beside_a_flexible_casing(folder: Path) -> None:
         contact={"sliding": "full"},
         reduction={"free_interface_modes": 40},
         gravity={},
+        excitation=[
+            {"type": "harmonic", "force": 50.0},
+            {"type": "casing-distortion", "modal_force": 100.0, "nodal_diameter": 2},
+        ],
     )
     stage = stage_of(case)
-    chunk = marched(stage, 1e-6, 5e-3)
+    pushed, *_, struck = (load for load in excitation_loads(stage))
+    assert struck.casing[: stage.casing_modes.count].any()
+    assert not struck.casing[stage.casing_modes.count :].any()
+    np.testing.assert_allclose(pushed.rotor, 25.0 * stage.rotor.centre[0], rtol=1e-9, atol=1e-9)
+    chunk = marched(stage, 1e-6, 5e-3, 2)
     assert ledger_residual(chunk) < 1e-9
     assert chunk.casing_displacement.shape[1] == stage.casing_modes.count
     assert chunk.contact_force.any()
     assert np.abs(chunk.casing_displacement[-1]).max() > 0.0
     # the support feels its bearing and its own spring and damper: acceleration by differences
     place, force = chunk.support_displacement[:, 0], chunk.bearing_force[:, 0]
-    step = 1e-5
+    step = 2e-6
     rate = (place[2:] - place[:-2]) / (2.0 * step)
     curve = (place[2:] - 2.0 * place[1:-1] + place[:-2]) / step**2
     own = 4.0 * curve + 1e3 * rate + 5e7 * place[1:-1] + force[1:-1]
     own[:, 1] += 4.0 * GRAVITY
-    assert np.abs(own).max() < 2e-3 * np.abs(force).max()
+    assert np.abs(own).max() < 5e-4 * np.abs(force).max()
+
+
+def two_wheels(
+    folder: Path, first: float, walls: dict[float, dict[str, Any]], **changed: Any
+) -> Case:
+    """A line with a fan in one piece at 0.6 m and one of sectors at 0.3 m, one of which is that of
+    [bladed_disk]; walls by positions."""
+    files = {0.6: "wheel", 0.3: "sector"}
+    (other,) = files.keys() - {first}
+    own = {"file": str(folder / f"{files[other]}.npz"), "copies": SECTORS}
+    further = {"position": other, "superelement": own, "casing": walls[other]}
+    line = {"wheel": {"position": first}, "wheels": [further], "unbalance": []}
+    tables: dict[str, Any] = {
+        "casing": {"type": "rigid", **walls[first]},
+        "contact": {"friction": 0.1, "sliding": "full"},
+        "reduction": {"free_interface_modes": 60},
+        "gravity": {"start": "unbent", "acceleration": [2000.0, -9000.0]},
+    }
+    march = {"speed": "600 rad/s", "time_step": 1e-6, "duration": 3e-3}
+    return fan_case(folder, march, files[first], shaft_line=line, **tables | changed)
+
+
+WALLS: dict[float, dict[str, Any]] = {
+    0.6: {"clearance": 1e-4, "slope": 0.2},
+    0.3: {"clearance": 5e-5, "radius": 0.1601},
+}
+
+
+def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(folder: Path) -> None:
+    found = dict[float, list[FloatArray]]()
+    for first in (0.6, 0.3):
+        stage = stage_of(two_wheels(folder, first, WALLS))
+        chunk = marched(stage, 1e-6, 3e-3)
+        assert ledger_residual(chunk) < 1e-9
+        own, other = np.split(chunk.contact_force, [stage.part.wheel_nodes[0]], axis=1)
+        found[first] = [own, other][:: 1 if first == 0.6 else -1]
+        assert len(stage.blade_angle[0]) == 2 * SECTORS
+        at = [np.ptp(each) for each in np.split(stage.axial_position, [stage.part.wheel_nodes[0]])]
+        assert abs(np.ptp(stage.axial_position) - 0.3) < at[0] + 1e-9
+    for one, swapped in zip(*found.values(), strict=True):
+        assert one.any()
+        np.testing.assert_allclose(one, swapped, rtol=0, atol=1e-5 * np.abs(one).max())
+
+
+def test_walls_of_further_wheels_are_those_of_a_rigid_round_casing(folder: Path) -> None:
+    with pytest.raises(CaseError, match=r'casing.type = "ring": expected "rigid" with shaft_line'):
+        two_wheels(folder, 0.6, WALLS, casing={"type": "ring", "clearance": 1e-4})
+    lobes = {
+        "type": "rigid",
+        "clearance": 1e-4,
+        "clearance_lobes": [{"lobes": 2, "amplitude": 1e-5}],
+    }
+    with pytest.raises(CaseError, match=r"casing.clearance_lobes.*: not allowed with"):
+        two_wheels(folder, 0.6, WALLS, casing=lobes)
+    inside = WALLS | {0.3: {"clearance": 0.0, "radius": 0.15}}
+    with pytest.raises(
+        CaseError, match=r"shaft_line.wheels\[0\].casing.clearance = .*wall at t = 0"
+    ):
+        contact_problem(stage_of(two_wheels(folder, 0.6, inside)))

@@ -85,7 +85,7 @@ def test_points_swing_along_arcs_and_have_the_true_colour(three: xr.Dataset) -> 
     for index, grids in enumerate(series(three, RECORDS)):
         mesh = grids["rotor"]
         moved = mesh.point_data["displacement"]
-        values = drawing.picture(index).surface.values
+        values = drawing.picture(index).solids[0].values
         np.testing.assert_allclose(values, np.linalg.norm(moved, axis=1), rtol=1e-12)
         drawn, rest = stage.points(index), mesh.points
         out = rest[:, :2] / np.hypot(*rest[:, :2].T)[:, None]
@@ -116,7 +116,7 @@ def test_a_single_blade_fills_the_picture_in_rotating_axes(
     assert near.reach()[0] < 0.15 * RADIUS < RADIUS < around.reach()[0]
     assert Drawing(three, RECORDS).frame == "static"
     # The wall at its clearance, in axes in which it turns backward.
-    walls = [near.picture(index).casing.sides[0, :, 0] for index in range(len(RECORDS))]
+    walls = [near.picture(index).solids[1].points[::4, :2] for index in range(len(RECORDS))]
     assert np.abs(walls[0] - walls[1]).max() > 1e-4
     assert np.linalg.norm(walls[0][-1] - walls[1][-1]) < 0.05 * RADIUS
 
@@ -128,14 +128,14 @@ def test_the_wall_is_open_in_front_of_the_tips(three: xr.Dataset, view: Any) -> 
     across = np.hypot(*unit(np.array(TOWARDS[view]))[:2])
     for index in range(len(RECORDS)):
         seen = drawing.picture(index)
-        wall, hub = seen.solids
+        disk, wall, hub = seen.solids
         assert np.isnan(hub.values).all()  # separate blades stand on a hub
         assert len(wall.points) == 4 * WALL_STATIONS
         depth = wall.points[:, 2].max()
         assert (depth > across * RADIUS) == (view == "axial")
         # Drawn points have the distances that points in space have.
         stage: Any = drawing._stage
-        drawn, points = seen.surface.points, stage.points(index)
+        drawn, points = disk.points, stage.points(index)
         assert pdist(drawn) == pytest.approx(pdist(points))
     with pytest.raises(bw.ViewError, match="view must be one of oblique, axial, side"):
         Drawing(three, RECORDS, view=cast(Any, "top"))
@@ -145,13 +145,7 @@ def test_from_the_side_no_wall_is_in_front_of_the_tip_of_a_blade(single: xr.Data
     drawing = Drawing(single, np.array([0]), exaggeration=1.0, view="side")
     picture, body = drawing.picture(0), cast(Any, drawing._body)
     tips = body._placed(body.stage.contact_nodes(0), 0.0)
-    assert picture.solids[0].points[:, 2].max() < tips[:, 2].min() + 1e-3 * RADIUS
-
-
-def test_the_gap_below_a_coating_is_named_after_the_metal(single: xr.Dataset) -> None:
-    coated = single.assign_attrs(coating_thickness=1e-3)
-    names = [Drawing(each, RECORDS, colour="gap").colouring.name for each in (single, coated)]
-    assert names == ["gap at the tip", "gap to metal"]
+    assert picture.solids[1].points[:, 2].max() < tips[:, 2].min() + 1e-3 * RADIUS
 
 
 def test_without_a_coating_there_is_no_wear(single: xr.Dataset) -> None:
@@ -194,13 +188,26 @@ time_constant = 2e-3
     )
 
 
+def test_the_gap_of_a_coated_wall_is_that_to_the_coating(single: xr.Dataset) -> None:
+    result = worn(single)
+    coated, plain = (Drawing(each, RECORDS, colour="gap").colouring for each in (result, single))
+    assert [each.name for each in (coated, plain)] == ["gap to the coating", "gap at the tip"]
+    angle = (
+        single["tip_angle"].values + single.attrs["speed"] * single["time"].values[RECORDS, None]
+    )
+    share = np.where(angle % (2 * np.pi) < np.pi, np.resize(WORN, len(angle.T)), 0.0)
+    left = THICKNESS * (LIMIT - share)
+    np.testing.assert_allclose(plain.nodes - coated.nodes, left, rtol=1e-9)
+    assert 0.0 < share.mean() < max(WORN)
+
+
 def test_each_track_of_a_coating_is_as_thick_as_the_layer_less_its_own_wear(
     single: xr.Dataset,
 ) -> None:
     result = worn(single)
     drawing = Drawing(result, RECORDS, exaggeration=FACTOR, colour="wear")
-    wall, *strips = drawing.picture(2).solids
-    assert [solid.colour for solid in drawing.solids[1:]] == [None] * 4  # two beside the tracks
+    _, wall, *strips = drawing.picture(2).solids
+    assert [solid.shows for solid in drawing.solids] == ["disk", None, *["wall"] * 4]
     for strip, share in zip(strips, (*WORN, 0.0, 0.0), strict=True):
         corner = strip.points.reshape(-1, 4, 3)
         thickness = np.linalg.norm(corner[:, 3] - corner[:, 0], axis=1)
@@ -275,20 +282,55 @@ def test_fields_of_surfaces(three: xr.Dataset, colour: Any, unit: str) -> None:
         assert np.isnan(colouring.casing).all()  # of a rigid wall
 
 
+@pytest.mark.parametrize("colour", ["joint-force", "joint-slip", "joint-state"])
+def test_both_nodes_of_a_joint_show_its_value(three: xr.Dataset, colour: Any) -> None:
+    """Also that of a damper, whose other end is no node; a node of two pairs shows the larger."""
+    ends = np.array([[3, 2], [6, 5], [7, -1], [7, 5]])
+    force = np.linspace(1.0, 2.0, three.sizes["time"])[:, None, None] * np.arange(1.0, 13.0)
+    steps = np.zeros((three.sizes["time"], 4, 3), dtype=np.int64)
+    steps[1:, np.arange(4), [0, 1, 2, 1]] = 9
+    over = ("time", "joint_pair")
+    jointed = three.assign(
+        joint_name=("joint_pair", ["shroud"] * 4),
+        joint_end=(("joint_pair", "joint_side"), ends),
+        joint_force=((*over, "joint_direction"), force.reshape(-1, 4, 3)),
+        joint_slip=(over, 1e-6 * force.reshape(-1, 4, 3)[..., 1]),
+        joint_steps=((*over, "joint_state"), steps),
+    )
+    drawing = Drawing(jointed, RECORDS, colour=colour)
+    pairs = {
+        "joint-force": jointed["joint_force"].values[RECORDS, :, 0],
+        "joint-slip": jointed["joint_slip"].values[RECORDS],
+        "joint-state": np.where(RECORDS[:, None] > 0, [0.0, 1.0, 2.0, 1.0], np.nan),
+    }[colour]
+    expected = np.full((3, 9), np.nan)
+    expected[:, [3, 2, 6]] = pairs[:, [0, 0, 1]]
+    expected[:, 5], expected[:, 7] = pairs[:, [1, 3]].max(axis=1), pairs[:, [2, 3]].max(axis=1)
+    np.testing.assert_array_equal(drawing.colouring.nodes, expected)
+    shown = [drawing.picture(index).tip_values for index in range(3)]
+    assert np.isfinite(np.concatenate(shown)).any()
+    assert drawing.discs == ["discs: joints"]
+    name = colour.replace("-", "_")
+    for index, grids in enumerate(series(jointed, RECORDS)):
+        np.testing.assert_array_equal(grids["contact"].point_data[name], expected[index])
+    with pytest.raises(ViewError, match=r"the run has no \[\[joint\]\]"):
+        Drawing(three, RECORDS, colour=colour)
+
+
 def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Path) -> None:
     path = render_page(three, tmp_path / "a.html", RECORDS)
     about, places, shades = page(path)
     drawing = Drawing(three, RECORDS)
     for index, drawn in enumerate(part(about, places, "surface")):
         picture = drawing.picture(index)
-        points = np.concatenate([picture.surface.points, *(s.points for s in picture.solids)])
+        points = np.concatenate([solid.points for solid in picture.solids])
         scale = drawn[:, 0] @ points[:, 0] / (points[:, 0] @ points[:, 0])
         np.testing.assert_allclose(drawn, scale * points, atol=1.0 / FULL)
         assert scale * drawing.reach()[0] < 1.0
     assert about["ofPoints"] == [f"blade {n}" for n in points_of(three, 1).blade]
     assert about["surfaceShades"] + len(points) == about["nodeShades"] == shades.shape[1] - 9
     assert about["layout"]["casing"][1] == 0  # the wall is a solid
-    with_colour = [solid.colour for solid in drawing.solids if solid.colour]
+    with_colour = [solid.colour for solid in drawing.solids if not solid.shows]
     assert about["solidColours"] == with_colour == [METAL]
     assert shades[0, -10] == len(about["colours"])  # the first colour after those of the scale
     assert "orbit" not in about  # blades without a common centre

@@ -229,7 +229,7 @@ def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
         name for name, kind in SWEEP_FIGURES.items() if "contact_spectrum" not in kind.needs
     }
     drawn = of_beams - messages
-    assert messages == {"maps", "probability", "wear"}
+    assert messages == {"interaction", "maps", "probability", "wear"}
     files = {f"{name}.{kind}" for name in drawn for kind in ("png", "nc")}
     assert {path.name for path in tmp_path.iterdir()} == {*files, "manifest.json"}
     for name in drawn:

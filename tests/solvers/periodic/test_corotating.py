@@ -21,9 +21,15 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor, contact_rows
 from bladewhirl.models.stage.wall import ReducedCasing
+from bladewhirl.solvers.periodic.contact_branch import FOLD, ContactBranch
+from bladewhirl.solvers.periodic.corotating import (
+    Equations,
+    Structure,
+    contact_states,
+    corotating_contact,
+    obstacles,
+)
 from bladewhirl.solvers.periodic.corotating import _deviations as deviations
-from bladewhirl.solvers.periodic.corotating import _rows as rows
-from bladewhirl.solvers.periodic.corotating import corotating_contact, obstacles
 from bladewhirl.solvers.periodic.ring import Ring
 from bladewhirl.studies.periodic.initial_states import of_corotating
 
@@ -195,6 +201,36 @@ def test_the_range_of_annular_rub(speed: float, touches: bool) -> None:
     assert corotating_contact(round_disk(speed, 0.1, around, 0.02)).normal.any() == touches
 
 
+def test_a_branch_leads_through_the_folds_of_annular_rub() -> None:
+    """It turns back and forth as tips join or leave those in contact, and ends without contact; of
+    the states at a speed it meets each once."""
+    angle = 2.0 * np.pi / 12 * np.arange(12.0)
+
+    def at(speed: float) -> ContactProblem:
+        return round_disk(speed, 0.1, angle, 0.02)
+
+    followed = ContactBranch(lambda speed: Equations(at(speed)), 0.1, 1.2, 8)
+    points = list(followed.follow(contact_states(at(0.1))[0]))
+    place, way = (
+        np.array([getattr(point, name) for point in points]) for name in ("parameter", "way")
+    )
+    folds = np.array([point.kind == FOLD for point in points])
+    assert (folds[1:] == (way[1:] != way[:-1])).all()
+    assert place[-1] == 1.2
+    assert place[folds].max() == pytest.approx(0.9925, rel=0.01)  # end of the rub of a full rim
+    for point in points:
+        contact = point.contact
+        assert contact.normal.min() >= 0.0
+        assert contact.gap.min() > -1e-7
+        assert np.abs(contact.normal * contact.gap).max() < 1e-9
+    for speed in (0.5, 0.9, 0.96):
+        known = {tuple(np.flatnonzero(each.normal)) for each in contact_states(at(speed))}
+        ends = (place[:-1] - speed) * (place[1:] - speed) < 0.0
+        met = [tuple(np.flatnonzero(points[n].chosen)) for n in np.flatnonzero(ends)]
+        assert len(met) == len(set(met))
+        assert set(met) <= known  # there are closed branches besides
+
+
 @pytest.mark.parametrize("ring", [None, pytest.param(96, marks=pytest.mark.slow)])
 def test_small_deviations_are_those_of_a_march(ring: int | None) -> None:
     """With friction in the direction of the slip velocity and Coriolis forces."""
@@ -215,8 +251,7 @@ def test_small_deviations_are_those_of_a_march(ring: int | None) -> None:
     for velocity in (start.rotor_velocity, start.rotor_velocity + kick):
         begun = replace(problem, start=replace(start, rotor_velocity=velocity))
         moved.append(advanced(begun, 1e-6, 1600, 200).rotor_displacement)
-    rotor = problem.rotor
-    stiffness, damping = deviations(problem, rows(rotor), np.diag(rotor.stiffness), found.normal)
+    stiffness, damping = deviations(problem, Structure.of_problem(problem), found.normal)
     size = len(stiffness)
     matrix = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])
     first = np.zeros(2 * size)
@@ -230,7 +265,7 @@ def test_a_ring_without_contact_decays_by_its_damping_ratio() -> None:
     its frequency is lower by n Omega."""
     problem = bladed(3, 2, ring=casing(24, damping=0.02), friction=0.3)
     rotor, wall = problem.rotor, problem.casing
-    stiffness, damping = deviations(problem, rows(rotor), np.diag(rotor.stiffness), np.zeros(6))
+    stiffness, damping = deviations(problem, Structure.of_problem(problem), np.zeros(6))
     size = len(stiffness)
     matrix = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])
     found, own = la.eigvals(matrix), len(rotor.frequency) * rotor.copies

@@ -136,3 +136,12 @@ def test_speeds_to_avoid_lie_in_or_near_the_operating_range(tmp_path: Path) -> N
         inside = row["from_rpm"] <= high and (row["to_rpm"] or np.inf) >= low
         assert (row["margin"] == 0.0) == inside
     assert [row["margin"] for row in rows] == sorted(row["margin"] for row in rows)
+
+
+def test_without_speeds_to_avoid_there_is_a_sentence_and_no_empty_table(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(bw.dumps_case(curved()), encoding="utf-8")
+    words = ("--speeds", "0:0.1", "--operating", "0.001:0.002", "-o", tmp_path / "found")
+    printed = answer("campbell", case, *words).stdout
+    assert "No speeds to avoid, to 20% from the operating range." in printed
+    assert "cause" not in printed

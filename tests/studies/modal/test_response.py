@@ -16,13 +16,16 @@ import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.solids.blade import mesh3d
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.engine_order import unit_forces
+from bladewhirl.models.stage.forced import forced
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
 from bladewhirl.postprocess.modal.response import amplitude, drawn_amplitudes, plot_response
-from bladewhirl.studies.modal.response import report
+from bladewhirl.studies.modal.response import engine_orders, report
 
 BLADES = 7
 MISTUNED = [1.0, 1.03, 0.98, 1.01, 0.97, 1.02, 0.99]
@@ -278,3 +281,40 @@ def test_a_mistuned_sector_responds_as_its_wheel(effects: str, tmp_path: Path) -
     expected = nodes[:, :, 1].mean(axis=1) @ answer
     largest = np.abs(expected).max()
     assert found["tip_tangential"].values == pytest.approx(expected, abs=1e-4 * largest)
+
+
+def test_equal_sectors_are_reduced_in_the_nodal_diameters_of_the_forces_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An order above the number of sectors drives the nodal diameter that is left of it; forces of
+    unequal blades drive all of them. The response is that of all nodal diameters."""
+    part = mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=1, coriolis=True)
+    bw.write_superelement(file := tmp_path / "part.npz", part)
+    load = {"type": "engine-order", "order": [0, SECTORS + 1], "amplitude": AMPLITUDE}
+    case = bw.case_from(
+        {
+            "bladed_disk": {"superelement": {"file": str(file), "copies": SECTORS}},
+            "casing": {"type": "rigid"},
+            "excitation": load,
+            "rotation": {"effects": "full"},
+            "reduction": {"free_interface_modes": 2},
+        }
+    )
+    orders, asked = engine_orders(case), list[object]()
+
+    def of_all(stage: Matrices, diameters: object) -> Matrices:
+        asked.append(diameters)
+        return stage
+
+    monkeypatch.setattr(Matrices, "of_diameters", of_all)
+    stage = build_stage(case)
+    every = bw.response(stage, speeds=["1000 rad/s"])
+    next(forced(stage, [orders[0].model_copy(update={"factors": (2.0,) * SECTORS})], [1000.0]))
+    monkeypatch.undo()
+    assert asked == [{0, 1}]
+    some = bw.response(stage, speeds=["1000 rad/s"])
+    for name in ("tip_tangential", "tip_radial"):
+        largest = np.abs(every[name].values).max()
+        assert some[name].values == pytest.approx(every[name].values, abs=1e-9 * largest)
+    few = next(forced(stage, orders, [1000.0])).rotor
+    assert few.tip_radial.shape[1] == 2 * 3  # k = 0, and both waves of k = 1

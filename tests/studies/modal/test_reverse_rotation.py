@@ -13,7 +13,7 @@ from bladewhirl.models.structure.rotating import Effects
 from bladewhirl.postprocess.fields.kinematics import tip_rows
 from bladewhirl.postprocess.modal.mode_shapes import plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import Wave, mode_motion, shapes_dataset
-from bladewhirl.studies.modal.modes import mode_lists, modes
+from bladewhirl.studies.modal.modes import document, mode_lists
 from bladewhirl.studies.modal.veering import veering
 
 
@@ -37,7 +37,9 @@ def stage(effects: Effects, speed: float) -> ModalModel:
 def test_modes_are_listed_alike(effects: Effects, speed: float) -> None:
     if effects == "centrifugal":
         speed *= 0.5  # below the critical speed
-    ahead, astern = (mode_lists(modes(stage(effects, s)), 12) for s in (speed, -speed))
+    ahead, astern = (
+        document(mode_lists(modal_model(stage(effects, s))), 12) for s in (speed, -speed)
+    )
     assert ahead.keys() == astern.keys()
     for name, rows in ahead.items():
         for one, other in zip(rows, astern[name], strict=True):

@@ -22,7 +22,7 @@ from bladewhirl.models.superelements import nodal_blocks
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.models.superelements.wheel import whole_wheel
-from bladewhirl.studies.modal.modes import mode_lists
+from bladewhirl.studies.modal.modes import document, mode_lists
 
 LABELS = ("family", "nodal_diameter", "family_at_rest", "direction", "direction_static", "pattern")
 
@@ -72,9 +72,9 @@ def test_as_many_modes_are_listed_as_are_asked_for(
     """A pair is one row; the first trial has too few modes of each nodal diameter."""
     monkeypatch.setattr("bladewhirl.models.stage.matrix_disk.FEWEST", 1)
     case = exported(beams("sector"), "sector", tmp_path)
-    every, some = bw.modes(case, count=60), bw.modes(case, count=18)
-    assert some.sizes["mode"] < every.sizes["mode"]
-    lists = [mode_lists(each, 9)["bladed_disk"] for each in (some, every)]
+    some, every = (mode_lists(modal_model(case, count=count)) for count in (18, 60))
+    assert len(some.values["number"]) < len(every.values["number"])
+    lists = [document(each, 9)["bladed_disk"] for each in (some, every)]
     assert lists[0] == lists[1]
     assert len({(mode["family"], mode["nodal_diameter"]) for mode in lists[0]}) == 9
 
@@ -118,7 +118,7 @@ def test_modes_of_one_blade_with_coriolis_forces_have_families_and_no_diameters(
     table = {"file": str(file), "kind": "blade", "copies": 1}
     values = {"bladed_disk": {"superelement": table}, "casing": {"type": "rigid"}}
     case = bw.case_from(values | {"rotation": {"effects": effects}})
-    rows = mode_lists(bw.modes(case, count=3), 3)["bladed_disk"]
+    rows = document(mode_lists(modal_model(case, count=3)), 3)["bladed_disk"]
     assert [row["family"] for row in rows] == ["1F", "2F", "3F"]
     assert {row["nodal_diameter"] for row in rows} == {-1}
 

@@ -148,7 +148,7 @@ def test_a_series_has_the_surface_of_the_shaft(
         export_vtk(result, tmp_path, frames=3, rotating=rotating, exaggeration=50.0)
         moved = result["shaft_displacement"].values[-1, 2]
         turned = result.attrs["speed"] * float(result["time"][-1])
-    mesh = meshio.read(tmp_path / "frames" / "rotor_00002.vtu")
+    mesh = meshio.read(tmp_path / "frames" / "shaft_00002.vtu")
     section = np.isclose(mesh.points[:, 2], 0.3)
     middle = mesh.point_data["displacement"][section].mean(axis=0)
     of_axis = (moved[0] + 1j * moved[1]) * np.exp(-1j * turned * rotating)

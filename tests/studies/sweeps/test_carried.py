@@ -16,7 +16,7 @@ from bladewhirl.postprocess.sweep.dataset import DONE, MISSING, flag, open_sweep
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps.carried import COMPLETED, Chains, continued, late_state
-from bladewhirl.studies.sweeps.points import stage_at
+from bladewhirl.studies.sweeps.stages import stage_at
 
 DIVERGENT = flag("end_reason", "divergent")
 FREE = {

@@ -26,7 +26,8 @@ from bladewhirl.studies.sweeps.layout import (
     march_extent,
 )
 from bladewhirl.studies.sweeps.plan import plan_sweep
-from bladewhirl.studies.sweeps.points import Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.points import Point, Work, march_point
+from bladewhirl.studies.sweeps.stages import stage_at
 
 
 @pytest.fixture(scope="module")

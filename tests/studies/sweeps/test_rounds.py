@@ -16,8 +16,9 @@ from bladewhirl.postprocess.sweep.dataset import flag, open_sweep
 from bladewhirl.postprocess.sweep.shares import settled, wilson
 from bladewhirl.solvers.march.schema import SCREENING, SWEEP
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
-from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 from bladewhirl.studies.sweeps.rounds import Judge, narrower
+from bladewhirl.studies.sweeps.stages import stage_at
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
 DIVERGENT, SUSTAINED = flag("regime", "divergent"), flag("regime", "sustained")

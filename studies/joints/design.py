@@ -1,0 +1,296 @@
+"""Design curve of joints: the largest amplitude over the speed at values of a key, such as the
+preload, and the value at which it is smallest."""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import minimize_scalar
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.units import speed_of
+from bladewhirl.models.joints.build import jointed_wheel
+from bladewhirl.models.joints.limits import LIMITS
+from bladewhirl.models.joints.wheel import JointedWheel
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.postprocess.joints.design import plot_design
+from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.joint_search import joint_motion, rough_motion
+from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
+from bladewhirl.solvers.periodic.joints import JointMotion
+from bladewhirl.studies.joints.motions import amplitudes_of, check, limits_of, stage_of
+from bladewhirl.studies.modal.response import response
+from bladewhirl.studies.modal.study import Study
+from bladewhirl.studies.runs.columns import Column, quantity, table
+from bladewhirl.studies.sweeps.parameter import Parameter
+
+VALUES = 12  #: number of values of the key
+STAGES = 512  #: largest number of speeds whose reduced bladed disks are kept
+RATIO = 4.0  #: ratio of the ends of a range from which on values are at equal ratios
+STEPS, WIDTH, NEAR = (25, 10), 2e-3, 0.1
+"""Largest numbers of speeds at which a peak is sought with rough and with converged motions, its
+accuracy as a share of the range, and half the range of the latter as a share of the former."""
+OPTIMUM_STEPS, OPTIMUM_WIDTH = 12, 0.02
+"""The same for the value with the smallest peak."""
+
+COLUMNS = (
+    Column("parameter", "value", ".6g"),
+    Column("amplitude", "peak [mm]", ".4g", 1e3),
+    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("place", "is"),
+    Column("largest_multiplier", "largest multiplier [–]", ".4f"),
+    Column("stable", "stable"),
+    Column("not_found", "speeds without a motion", "d"),
+)
+"""Columns of the peaks."""
+
+
+class Peak(NamedTuple):
+    """The largest amplitude over the speed."""
+
+    amplitude: float  #: [m]
+    speed: float  #: [rad/s]
+    motion: JointMotion
+    at_speeds: FloatArray  #: amplitudes at the given speeds [m], NaN where no motion was found
+    place: str  #: "peak" or "end of the range"
+
+
+def peak(wheel_at: Callable[[float], JointedWheel], speeds: Sequence[float]) -> Peak:
+    """Return the largest amplitude of a wheel with joints over the speed.
+
+    Args:
+        wheel_at: function that returns the wheel at a speed [rad/s].
+        speeds: speeds, ascending [rad/s]; a peak is sought beside that of the largest amplitude.
+
+    Raises:
+        NotConverged: no motion was found at any speed.
+    """
+    found, near = dict[float, JointMotion](), None
+    for speed in speeds:
+        try:
+            near = found[speed] = rough_motion(wheel_at(speed), near)
+        except NotConverged:
+            continue
+    if not found:
+        raise NotConverged("no periodic motion was found at any of the speeds")
+    each = {speed: _largest(motion) for speed, motion in found.items()}
+    most = max(each, key=each.__getitem__)
+    place = list(speeds).index(most)
+    at_speeds = np.array([each.get(speed, np.nan) for speed in speeds])
+    if place in (0, len(speeds) - 1):
+        end = joint_motion(wheel_at(most), found[most], thorough=False)
+        return Peak(_largest(end), most, end, at_speeds, "end of the range")
+    low, high = speeds[place - 1], speeds[place + 1]
+    first = found[most]
+    rough = _highest(lambda speed: rough_motion(wheel_at(speed), first), (low, high), STEPS[0])
+    rough = max(rough, first, key=_largest)
+    at, aside = rough.grid.wheel.speed, NEAR * (high - low)
+    fine = _highest(
+        lambda speed: joint_motion(wheel_at(speed), rough, thorough=False),
+        (max(low, at - aside), min(high, at + aside)),
+        STEPS[1],
+    )
+    return Peak(_largest(fine), fine.grid.wheel.speed, fine, at_speeds, "peak")
+
+
+def _highest(
+    motion_at: Callable[[float], JointMotion], ends: tuple[float, float], steps: int
+) -> JointMotion:
+    """Return the motion with the largest amplitude between two speeds, which is found in a number
+    of steps.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    found = list[JointMotion]()
+
+    def below(speed: float) -> float:
+        try:
+            found.append(motion_at(float(speed)))
+        except NotConverged:
+            return 0.0
+        return -_largest(found[-1])
+
+    width = WIDTH * (ends[1] - ends[0])
+    options = {"xatol": width, "maxiter": steps}
+    minimize_scalar(below, bounds=ends, method="bounded", options=options)
+    if not found:
+        raise NotConverged("no periodic motion was found near the peak")
+    return max(found, key=_largest)
+
+
+def _largest(motion: JointMotion) -> float:
+    """Return the largest amplitude of the points of a motion [m]."""
+    return float(np.linalg.norm(amplitudes_of(motion), axis=-1).max())
+
+
+def design(
+    case: Case,
+    parameter: Parameter,
+    speeds: Sequence[float | str],
+    values: int = VALUES,
+    progress: Callable[[float, int], None] | None = None,
+) -> xr.Dataset:
+    """Compute the largest amplitude over the speed at values of a key; see `bladewhirl.branch`.
+
+    Motions have a fixed number of harmonics, those at the peaks as many as they need. Speeds of the
+    resonances of the linear limits are added, so that narrow peaks are not missed.
+
+    Raises:
+        CaseError: the case cannot be built at a value.
+        UserError: the method does not apply, or no motion was found at a value.
+    """
+    if len(speeds) < 3 or values < 3:
+        raise UserError(f"branch: {len(speeds)} speeds, {values} points: expected at least 3 each")
+    base = stage_of(parameter.case(case, parameter.start))
+    reference = base.reference_frequency
+    texts = [speed_of(each, f"branch: speeds {each!r}") for each in speeds]
+    given = np.unique([each.multiple(reference) * reference for each in texts])
+    linear = response(base, speeds=(given / reference).tolist())
+    inside = linear["peak_rpm"].values * np.pi / 30.0
+    omegas = np.unique(np.concatenate([given, inside])).tolist()
+    check(base, contact_problem(base, steps=False))
+    if not any(jointed_wheel(base).orders):
+        raise UserError('periodic: expected excitation.type = "engine-order" of an order above 0')
+
+    stages = lru_cache(maxsize=STAGES)(base.at)
+
+    def wheel_at(value: float) -> Callable[[float], JointedWheel]:
+        own = parameter.case(case, value)
+        return lambda omega: jointed_wheel(cast(Matrices, stages(omega).with_case(own)))
+
+    def peak_at(value: float) -> Peak:
+        try:
+            return peak(wheel_at(value), omegas)
+        except NotConverged as reason:
+            raise UserError(f"branch: {parameter.text(value)}: {reason}") from None
+
+    even = np.geomspace if _by_ratio(parameter) else np.linspace
+    grid = even(parameter.start, parameter.stop, values).tolist()
+    peaks = dict[float, Peak]()
+    for done, value in enumerate(grid, 1):
+        peaks[value] = peak_at(value)
+        if progress is not None:
+            progress(done / values, done)
+    least = grid.index(min(grid, key=lambda value: peaks[value].amplitude))
+    if 0 < least < values - 1:
+        _add_near(peaks, peak_at, sorted((grid[least - 1], grid[least + 1])), _by_ratio(parameter))
+    return _dataset(case, parameter, peaks, omegas, wheel_at(grid[0]), reference)
+
+
+def _by_ratio(parameter: Parameter) -> bool:
+    """Return whether the values are at equal ratios."""
+    low, high = sorted((parameter.start, parameter.stop))
+    return low > 0.0 and high >= RATIO * low
+
+
+def _add_near(
+    peaks: dict[float, Peak], peak_at: Callable[[float], Peak], ends: list[float], by_ratio: bool
+) -> None:
+    """Add peaks at values near the smallest one."""
+    to, back = (np.log, np.exp) if by_ratio else (float, float)
+
+    def height(place: float) -> float:
+        value = float(back(place))
+        peaks[value] = peak_at(value)
+        return peaks[value].amplitude
+
+    low, high = (float(to(end)) for end in ends)
+    minimize_scalar(
+        height,
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": OPTIMUM_WIDTH * (high - low), "maxiter": OPTIMUM_STEPS},
+    )
+
+
+def _dataset(
+    case: Case,
+    parameter: Parameter,
+    peaks: dict[float, Peak],
+    omegas: Sequence[float],
+    wheel_at: Callable[[float], JointedWheel],
+    reference: float,
+) -> xr.Dataset:
+    """Return the Dataset of `design`."""
+    order = sorted(peaks)
+    found = [peaks[value] for value in order]
+    wheels = [wheel_at(omega) for omega in omegas]
+    limits = np.array([limits_of(wheel).max(axis=1) for wheel in wheels]).T
+    growth = [float(abs(multipliers(each.motion)[0])) for each in found]
+    rpm = 30.0 / np.pi
+    return xr.Dataset(
+        {
+            "amplitude": quantity(
+                ("value", "speed"), [each.at_speeds for each in found], "m", "amplitude"
+            ),
+            "peak_amplitude": quantity("value", [each.amplitude for each in found], "m", "peak"),
+            "peak_rpm": quantity("value", [rpm * each.speed for each in found], "rpm", "its speed"),
+            "place": ("value", [each.place for each in found]),
+            "largest_multiplier": ("value", growth),
+            "stable": ("value", np.array(growth) < 1.0 + NEUTRAL),
+            "linear_limit": quantity(("limit", "speed"), limits, "m", "amplitude"),
+        },
+        coords={
+            "value": ("value", order),
+            "speed": quantity("speed", np.array(omegas) / reference, "1", "normalised speed"),
+            "rpm": quantity("speed", rpm * np.array(omegas), "rpm", "speed"),
+            "limit": list(LIMITS),
+        },
+        attrs={
+            "title": "design curve of joints",
+            "case": case.title,
+            "key": parameter.key,
+            "unit": parameter.unit,
+            "ended": f"reaches {parameter.text(parameter.stop)}",
+            "by_ratio": int(_by_ratio(parameter)),
+            "engine_order": next(each for each in wheels[0].orders if each),
+        },
+    )
+
+
+def report(data: xr.Dataset) -> Study:
+    """Return the document, table and figure of a design curve."""
+    rows = [
+        {
+            "parameter": float(one["value"]),
+            "amplitude": float(one["peak_amplitude"]),
+            "speed_rpm": float(one["peak_rpm"]),
+            "place": one["place"].item(),
+            "largest_multiplier": float(one["largest_multiplier"]),
+            "stable": bool(one["stable"]),
+            "not_found": int(np.isnan(one["amplitude"].values).sum()),
+        }
+        for one in (data.isel(value=n) for n in range(data.sizes["value"]))
+    ]
+    least = min(rows, key=lambda row: row["amplitude"])
+    limits: dict[str, Any] = {}
+    for name in data["limit"].values.tolist():
+        curve = data["linear_limit"].sel(limit=name).values
+        most = int(curve.argmax())
+        limits[name] = {"amplitude": float(curve[most]), "speed_rpm": float(data["rpm"][most])}
+    hints = [
+        f"the smallest peak is at the end of the range, {data.attrs['key']} ="
+        f" {least['parameter']:.6g} {data.attrs['unit']}".rstrip()
+    ]
+    ends = least in (rows[0], rows[-1])
+    if beyond := sum(row["place"] != "peak" for row in rows):
+        hints.append(f"{beyond} of {len(rows)} peaks are at the end of the speeds")
+    return Study(
+        name="periodic",
+        document={
+            "key": data.attrs["key"],
+            "unit": data.attrs["unit"],
+            "smallest_peak": least,
+            "linear_limits": limits,
+            "points": rows,
+        },
+        tables=[table(rows, COLUMNS, f"Largest amplitude over the speed, {data.attrs['key']}")],
+        figures=lambda: {"design": (plot_design(data), data)},
+        hints="; ".join(hints if ends else hints[1:]),
+    )
