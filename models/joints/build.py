@@ -14,7 +14,9 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.joints.tips import at_wall, wall_contact, with_tips
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.forced import ForcedRotor, forced_rotor
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.cyclic import transformation
@@ -43,14 +45,18 @@ class JointNodes(NamedTuple):
 def joint_nodes(stage: Matrices) -> JointNodes:
     """Return the pairs of nodes of the joints of a stage."""
     sides = [stage.table.joint_nodes(joint) for joint in stage.case.joint]
+    if not sides:
+        none = np.zeros(0, dtype=np.int64)
+        return JointNodes(none, none, none, np.zeros((0, DIRECTIONS, DIRECTIONS)))
     left, right = (np.concatenate(each) for each in zip(*sides, strict=True))
     joint = np.repeat(np.arange(len(sides)), [len(side[0]) for side in sides])
     turned = np.stack([axes(each.direction) for each in stage.case.joint])
     return JointNodes(left, right, joint, turned[joint])
 
 
-def jointed_wheel(stage: Matrices) -> JointedWheel:
-    """Return the tuned wheel of a case with joints at the speed of the stage.
+def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> JointedWheel:
+    """Return the tuned wheel of a case with joints at the speed of the stage, whose tips touch the
+    wall of a contact problem if it is given.
 
     Raises:
         CaseError: the preload of a joint is not possible.
@@ -63,6 +69,10 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
     nodes = stage.part.contacts // own
     pairs = joint_nodes(stage)
     rows, joint = _rows(pairs, nodes), pairs.joint
+    given = rows
+    if wall is not None:
+        at_tips = wall_contact(stage, wall)
+        rows, given = with_tips(rows, at_tips)
     assert rotor.compliance is not None  # the case has a massless boundary
     modes = rotor.contact.shape[1]
     contact = rotor.contact.reshape(own, DIRECTIONS * nodes, modes)
@@ -90,19 +100,20 @@ def jointed_wheel(stage: Matrices) -> JointedWheel:
         contact=rows @ contact,
         compliance=np.einsum("ip,apbq,jq->aibj", rows, flexible, rows, optimize=True),
         loads={order: force[:modes] for order, force in forced.forces.items()},
-        static={order: rows @ _static(forced, order, nodes) for order in forced.forces},
+        static={order: given @ _static(forced, order, nodes) for order in forced.forces},
         points=points,
         loaded=loaded,
         tips=tuple(tips.tolist()),
         points_by_force=by_force.reshape(len(by_force), own, DIRECTIONS * nodes) @ rows.T,
     )
-    return replace(wheel, gap=overclosures(stage, pairs))
+    wheel = replace(wheel, gap=overclosures(stage, pairs))
+    return wheel if wall is None else at_wall(wheel, at_tips)
 
 
 def _rows(pairs: JointNodes, nodes: int) -> FloatArray:
     """Return the matrix from the displacements of the nodes of a blade to (A^T u_left, -A^T
     u_right), see `wheel`, (2 * values, 3 * nodes)."""
-    turned = la.block_diag(*pairs.axes.swapaxes(1, 2))
+    turned = la.block_diag(np.zeros((0, 0)), *pairs.axes.swapaxes(1, 2))
     rows = np.zeros((2 * len(turned), DIRECTIONS * nodes))
     for sign, side, part in zip((1.0, -1.0), pairs[:2], np.split(rows, 2), strict=True):
         part[:, _places(side)] = sign * turned

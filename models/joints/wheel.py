@@ -1,4 +1,4 @@
-"""A wheel whose neighbouring blades touch in joints, for motions that follow one another.
+"""A wheel whose neighbouring blades touch in joints or rub, for motions that follow one another.
 
 Joint j ties the right nodes of blade j to the left nodes of blade j + 1, counter-clockwise. With
 the normal n, which points from j to j + 1, and two tangents as columns of A, in the radial,
@@ -17,10 +17,14 @@ Blades of a file of one blade do not influence each other, and P and C are those
 all k. Those of a wheel are sums over its blades j,
 
     P_k = sum_j exp(-2 pi i j k / N) P_j / N^(1/2),  C_k = sum_j exp(-2 pi i j k / N) C_j0.
+
+A tip that touches a rigid wall is such a node, too, without the left part: the normal points from
+the wall into the blade, the first tangent along the rotation, and d is that of the tip. Its gap g_0
+varies as the blade turns, and its slip contains that of the rotation.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -58,12 +62,13 @@ def times(admittance: ComplexArray, values: ComplexArray) -> ComplexArray:
 @dataclass(frozen=True, kw_only=True)
 class JointedWheel:
     """A tuned wheel with joints at a speed; values of joints are those of all their nodes, the
-    normal and two tangents of a node in turn."""
+    normal and two tangents of a node in turn. Tips at a wall are nodes of the last joint."""
 
     names: tuple[str, ...]  #: names of the joints
     joint: IntArray  #: number of the joint of each node, (nodes,)
     friction: FloatArray  #: friction coefficient of each node, (nodes,)
-    gap: FloatArray  #: gap g_0 of each node, negative if they overlap [m], (nodes,)
+    gap: FloatArray
+    """Mean over the rotation of the gap g_0 of each node, negative if they overlap [m], (nodes,)"""
     speed: float  #: speed of rotation [rad/s]
     blades: int  #: number of blades N
     stiffness: FloatArray  #: squared frequencies of each copy [rad2/s2], (copies, modes)
@@ -88,6 +93,19 @@ class JointedWheel:
     points_by_force: FloatArray
     """Their displacements by forces on the joint nodes of each blade of a copy without their part
     in the modes [m/N], (3 * points, blades of a copy, 2 * values)."""
+    wall: Mapping[int, ComplexArray] = field(default_factory=dict)
+    """Complex variation of the gap of each node by the order r of the wall, for the time factor
+    exp(i r Omega t) [m], (nodes,)."""
+    radius: FloatArray = field(default_factory=lambda: np.zeros(1))
+    """Distance by which each node slides along its first tangent in a radian of the rotation: the
+    radius of a tip, zero in joints [m], (nodes,) or (1,)."""
+    permanent: bool = False
+    """True if the friction of tips opposes the rotation, false if it opposes the slip."""
+
+    @property
+    def rubs(self) -> bool:
+        """True if tips can touch a wall."""
+        return bool(self.radius.any())
 
     @property
     def values(self) -> int:
@@ -103,6 +121,22 @@ class JointedWheel:
     def orders(self) -> list[int]:
         """Engine orders of the loads, ascending."""
         return sorted(self.loads)
+
+    @property
+    def varies(self) -> bool:
+        """True if loads or the wall vary with time."""
+        return any(self.loads) or bool(self.wall)
+
+    @property
+    def shown_order(self) -> int:
+        """Lowest engine order of the loads, or the largest one of the wall without loads."""
+        return next(order for order in (*self.orders, *self.main_orders) if order)
+
+    @property
+    def main_orders(self) -> list[int]:
+        """Engine orders of the loads, and the largest one of the wall, ascending."""
+        size = {order: float(np.abs(gap).max()) for order, gap in self.wall.items()}
+        return sorted({*self.loads, *sorted(size, key=size.__getitem__)[-1:]})
 
     @cached_property
     def _waves(self) -> dict[int, Wave]:
@@ -158,6 +192,8 @@ class JointedWheel:
     def unloaded(self, order: int) -> ComplexArray:
         """Return the displacements d without joint forces for an engine order and the time factor
         exp(i r Omega t) [m], (values,)."""
+        if order not in self.loads:
+            return np.zeros(self.values, dtype=np.complex128)
         wave = self.wave(order)
         modal = times(wave.admittance(self.frequency(order)), self._load(order))
         return self.joined(order, wave.rows @ modal + self.static[order])

@@ -133,12 +133,13 @@ def _steady_problem(stage: Stage, loads: tuple[Load, ...]) -> ContactProblem:
 
 
 def check_start(stage: Stage, problem: ContactProblem) -> None:
-    """Check the gaps at the start of a contact problem of a stage.
+    """Check the gaps at the start of a contact problem of a stage; nodes in joints have none.
 
     Raises:
         CaseError: a tip is beyond the wall.
     """
     gap = problem.initial_gap()
+    problem.rotor.by_copy(gap)[:, problem.rotor.joined] = np.inf
     if problem.coating is not None:
         gap = gap - problem.coating.removable
     if gap.min() < -BEYOND * stage.case.casing.clearance:

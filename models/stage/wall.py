@@ -8,6 +8,8 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.closure import Closure
 
+SEEN = 1e-9  #: harmonics below this fraction of the largest value are rounding errors
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedCasing:
@@ -128,6 +130,16 @@ class WallClosure:
     def at(self, time: float) -> FloatArray:
         """Return the closure and its derivative by s at each node [m, 1], (nodes, 2)."""
         return np.asarray(self.course.value(time) * self.share)
+
+
+def harmonics_around(clearance: FloatArray) -> dict[int, complex]:
+    """Return the complex amplitudes of the harmonics n > 0 of a clearance (angles,) that are no
+    rounding errors, by n, for the factor exp(i n theta) [m]."""
+    amplitude = 2.0 * np.fft.rfft(clearance) / len(clearance)
+    smallest = 2.0 * SEEN * np.abs(clearance).max()
+    return {
+        int(n): complex(amplitude[n]) for n in np.flatnonzero(np.abs(amplitude) > smallest) if n
+    }
 
 
 def around_wall(field: FloatArray, length: float, angle: FloatArray) -> FloatArray:

@@ -48,7 +48,8 @@ def plot_joints(data: xr.Dataset) -> Figure:
         int(data["share_slipping"].max("joint").values.argmax()),
     )
     own = first["state"].values[largest]
-    ahead = data.attrs["engine_order"] * len(own) / blades
+    turn = 60.0 / abs(float(data["rpm"][largest]))
+    ahead = turn / float(data["period"][largest]) * len(own) / blades
     rows = [np.roll(own, -round(ahead * blade)) for blade in range(blades)]
     edges = np.linspace(0.0, 1.0, len(own) + 1)
     meaning = draw_states(states, edges, np.arange(blades), rows)
@@ -59,7 +60,7 @@ def plot_joints(data: xr.Dataset) -> Figure:
     draw(curve, ordered, data["rpm"].values[order], ".-")
     curve.set_xlabel("speed [rpm]")
     curve.locator_params(axis="x", nbins=5)
-    set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
+    set_title(figure, str(data.attrs["case"]), "periodic motions of all blades")
     legends_below(figure, Group(entries_of(loops)), meaning, Group(entries_of(curve)))
     return figure
 
@@ -112,6 +113,6 @@ def plot_joint_branch(data: xr.Dataset) -> Figure:
     for axes in (*curves, shares):
         axes.set_xlabel(f"{data.attrs['key']} [{data.attrs['unit'] or '–'}]")
         axes.locator_params(axis="x", nbins=5)
-    set_title(figure, str(data.attrs["case"]), "periodic motions with joints")
+    set_title(figure, str(data.attrs["case"]), "periodic motions of all blades")
     legends_below(figure, *(Group(entries_of(axes)) for axes in (*curves, shares)))
     return figure

@@ -29,12 +29,11 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import Matrix
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import NEVER, Load
-from bladewhirl.models.stage.wall import around_wall
+from bladewhirl.models.stage.wall import SEEN, around_wall, harmonics_around
 from bladewhirl.solvers.periodic.ring import Ring
 from bladewhirl.solvers.periodic.steps import Steps
 
 DIRECTIONS = 3  #: radial, tangential, axial
-SEEN = 1e-9  #: harmonics of the clearance below this fraction of the largest are rounding errors
 WHOLE = 1e-9  #: largest distance of the order of a load from a whole number
 ALIKE = 1e-6  #: largest relative difference of properties of equal blades
 RIGID = 1e-6  #: frequency below which a mode of the casing is rigid, relative to the highest
@@ -92,7 +91,7 @@ class Blade:
             for order in _loads(each)
         }
         walls = [_wall(each)[:, 0] for each in every]
-        lobes = gcd(*(n for wall in walls for n in _harmonics(wall)), *orders)
+        lobes = gcd(*(n for wall in walls for n in harmonics_around(wall)), *orders)
         if not lobes:
             raise ValueError(
                 "the wall is round and no load varies with time, so that the motion has no period"
@@ -242,14 +241,6 @@ def _of_order(load: Load, speed: float) -> tuple[int, ComplexArray]:
         )
     force = load.rotor * (np.exp(1j * load.phase) if whole else np.cos(load.phase))
     return whole, np.asarray(force if order >= 0.0 else force.conj())
-
-
-def _harmonics(clearance: FloatArray) -> list[int]:
-    """Return the numbers of the harmonics that a clearance around the wall contains."""
-    amplitude = np.abs(np.fft.rfft(clearance))[1:]
-    return (
-        np.flatnonzero(amplitude > SEEN * np.abs(clearance).max() * len(clearance)) + 1
-    ).tolist()
 
 
 FIXED = ("turns", "lobes", "wall_step", "copies", "periods")

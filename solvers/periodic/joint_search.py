@@ -191,7 +191,7 @@ def joint_motion(
     Raises:
         NotConverged: no motion was found.
     """
-    unit = max(wheel.orders) // common_order(wheel)
+    unit = max(wheel.main_orders) // common_order(wheel)
     motion = _first(JointGrid(wheel, FIRST * unit), start)
     highest, missed = 2 * motion.grid.harmonics, 0
     while highest <= MOST * unit:
@@ -234,18 +234,22 @@ def _compared(motion: JointMotion) -> JointMotion:
 
 
 def _changes(coarse: JointMotion, fine: JointMotion) -> tuple[float, float]:
-    """Return the relative changes of forces and displacements, and of the work."""
+    """Return the relative changes of forces and displacements, and of the work of joints."""
     pairs = zip(*map(_loaded, (coarse, fine)), strict=True)
-    return max(_relative(*pair) for pair in pairs), _relative(coarse.work, fine.work)
+    joints = np.resize(fine.grid.wheel.radius == 0.0, len(fine.work))
+    return max(_relative(*pair) for pair in pairs), _relative(
+        coarse.work[joints], fine.work[joints]
+    )
 
 
 def _loaded(motion: JointMotion) -> tuple[ComplexArray, ComplexArray]:
     """Return the amplitudes of the engine orders of forces (orders, values) and of displacements of
-    points (orders, points, 3)."""
-    orders = motion.grid.wheel.orders
+    points (orders, points, 3); with a wall also those of its main order, and the means."""
+    wheel = motion.grid.wheel
+    orders = [*([0] if wheel.rubs and 0 not in wheel.orders else []), *wheel.main_orders]
     forces = np.stack([motion.of_order(order) for order in orders])
     pairs = zip(orders, forces, strict=True)
-    return forces, np.stack([motion.grid.wheel.at_points(*pair) for pair in pairs])
+    return forces, np.stack([wheel.at_points(*pair) for pair in pairs])
 
 
 def _relative(one: FloatArray | ComplexArray, other: FloatArray | ComplexArray) -> float:

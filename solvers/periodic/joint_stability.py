@@ -24,7 +24,8 @@ from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.joints import JointMotion, series
 from bladewhirl.solvers.periodic.steps import Steps
 
-STEPS = 192  #: least number of steps in a period
+STEPS, RUBBED = 192, 1024
+"""Least number of steps in a period, and that with a wall: contacts at it are short."""
 NEUTRAL = 5e-3
 """Growth up to which a motion is stable: static forces of nodes that hardly slip neither grow nor
 decay."""
@@ -41,7 +42,8 @@ class Deviations:
         passages = blades // shared
         self.alike = len(self.wheel.stiffness) == blades
         self.passages = passages if self.alike else 1
-        self.instants = passages * -(-STEPS // passages)
+        least = RUBBED if self.wheel.rubs else STEPS
+        self.instants = passages * -(-least // passages)
         wave = series(self.grid.harmonics, self.instants)
         trial = (wave @ motion.trial()).reshape(self.instants, -1, DIRECTIONS)
         friction = self.wheel.friction

@@ -1,10 +1,11 @@
-"""Periodic motions of a tuned wheel with friction joints, by harmonic balance.
+"""Periodic motions of a tuned wheel with friction joints or a rub, by harmonic balance.
 
 All blades have the same motion one after another, u_{j+1}(t) = u_j(t + theta / Omega), so that one
 joint is enough, see `models.joints.wheel`. The period is that of the engine orders, T = 2 pi / (p
-|Omega|) with their greatest common divisor p, and the harmonic h of the forces l on a joint moves
-it by S_h l_h with the nodal diameter h p. Displacements are d = d_0 + S l with those d_0 without
-joint forces, and slips are derivatives by the angle h p Omega t, of harmonics i h d_h.
+|Omega|) with the greatest common divisor p of them and of the lobes of the wall, and the harmonic h
+of the forces l on a joint moves it by S_h l_h with the nodal diameter h p. Displacements are d =
+d_0 + S l with those d_0 without joint forces, and slips are derivatives by the angle h p Omega t,
+of harmonics i h d_h.
 
 The unknowns are the harmonics 0 to H of the forces. At equally spaced instants of a period, trial
 forces follow from them, from the gaps and from the slips, and the law of `joint_law` gives forces.
@@ -15,6 +16,10 @@ The unknowns are right if they are the harmonics of the forces of the law:
 The flexibilities f are of the size of those of the joint. As the modes respond exactly to the
 harmonics of the forces, the work of the engine orders is that of the damping and of the joints, and
 joints that are open, stuck or without friction have exactly the linear response.
+
+Tips at the wall are nodes of which the gap varies with the angle of the rotation, and that slip by
+it, besides their own motion. If their friction opposes the rotation alone, its part of the slip is
+`FAST` times as large, so that their motion has no effect on the direction.
 
 If nodes are stuck all the time, the mean of their tangential forces is not unique. Joints are
 assembled without tangential force, and the mean is zero: a slip of `CREEP` times it is added.
@@ -33,6 +38,7 @@ from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.contact import NotConverged
 
 SAMPLED = 8  #: instants for each harmonic
+FAST = 1e9  #: factor of the slip by the rotation if friction opposes it alone
 CREEP = 1e-8  #: slip per mean tangential force, relative to the flexibility
 
 
@@ -96,6 +102,21 @@ class JointGrid:
         return found
 
     @cached_property
+    def uneven(self) -> ComplexArray:
+        """Harmonics of the gaps by the wall [m], (H + 1, nodes)."""
+        wheel = self.wheel
+        found = np.zeros((self.harmonics + 1, len(wheel.joint)), dtype=np.complex128)
+        for order, gap in wheel.wall.items():
+            if order <= self.harmonics * self.order:
+                found[order // self.order] = gap if wheel.speed > 0.0 else gap.conj()
+        return found
+
+    @property
+    def turning(self) -> FloatArray:
+        """Slip of each node by the rotation [m], (nodes,) or (1,)."""
+        return np.asarray(np.sign(self.wheel.speed) / self.order * self.wheel.radius)
+
+    @cached_property
     def soft(self) -> FloatArray:
         """Flexibilities f of the trial forces, equal for both tangents of a node [m/N],
         (values,)."""
@@ -114,18 +135,21 @@ class JointGrid:
 
     @cached_property
     def load(self) -> FloatArray:
-        """Coefficients of the part of the trial forces due to engine orders [N], (2 H + 1,
-        values)."""
+        """Coefficients of the part of the trial forces due to engine orders and lobes of the wall
+        [N], (2 H + 1, values)."""
         moved = self.free.copy()
+        moved[:, ::DIRECTIONS] += self.uneven
         moved[:, self.tangential] *= self.rates[:, None]
         return -coefficients(moved) / self.soft
 
     @cached_property
     def rest(self) -> FloatArray:
-        """Coefficients of the part of the trial forces due to gaps at rest [N], (2 H + 1,
-        values)."""
+        """Coefficients of the part of the trial forces due to mean gaps and the slip by the
+        rotation [N], (2 H + 1, values)."""
         found = np.zeros_like(self.load)
         found[0, ::DIRECTIONS] = -self.wheel.gap / self.soft[::DIRECTIONS]
+        slip = self.turning * (FAST if self.wheel.permanent else 1.0)
+        found[0, 1::DIRECTIONS] = -slip / self.soft[1::DIRECTIONS]
         return found
 
     @cached_property
@@ -153,12 +177,13 @@ class JointGrid:
     @property
     def size(self) -> float:
         """Typical force [N]."""
-        return float(np.abs(self.load).max() + np.abs(self.rest).max())
+        return float(np.abs(self.load).max() + np.abs(self.rest[:, ::DIRECTIONS]).max())
 
 
 def common_order(wheel: JointedWheel) -> int:
-    """Return the greatest common divisor of the engine orders, 0 without any."""
-    return gcd(*wheel.orders)
+    """Return the greatest common divisor of the engine orders and those of the wall, 0 without
+    any."""
+    return gcd(*wheel.orders, *wheel.wall)
 
 
 def series(harmonics: int, instants: int) -> FloatArray:
@@ -204,10 +229,14 @@ class JointMotion:
         return cls(grid, parts)
 
     def on(self, grid: JointGrid) -> "JointMotion":
-        """Return the motion on another grid, without harmonics that one of both does not have."""
-        parts, shared = np.zeros_like(grid.load), min(len(self.parts), len(grid.load))
-        parts[:shared] = self.parts[:shared]
-        return JointMotion(grid, parts)
+        """Return the motion on another grid, without harmonics and tips that one of both does not
+        have."""
+        values = grid.wheel.values
+        found = np.zeros((grid.harmonics + 1, values), dtype=np.complex128)
+        orders, shared = self.grid.number * self.grid.order, min(values, self.grid.wheel.values)
+        kept = (orders % grid.order == 0) & (orders <= grid.harmonics * grid.order)
+        found[orders[kept] // grid.order, :shared] = self.harmonics[kept, :shared]
+        return JointMotion(grid, coefficients(found))
 
     @property
     def harmonics(self) -> ComplexArray:
@@ -263,6 +292,13 @@ class JointMotion:
         grid = self.grid
         values = self.force.reshape(grid.instants, -1)
         return float(np.abs((self.parts - grid.to_coefficients @ values) * grid.soft).max())
+
+    @property
+    def smallest_gap(self) -> float:
+        """Smallest gap of a node [m]."""
+        grid = self.grid
+        moved = coefficients(self.moved[:, ::DIRECTIONS] + grid.uneven)
+        return float((grid.wheel.gap + grid.series @ moved).min())
 
     @property
     def touches(self) -> bool:

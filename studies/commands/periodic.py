@@ -38,8 +38,8 @@ def periodic(
     deviation grows in a period; the motion is stable if all are less than 1 in magnitude. There can
     be more than one periodic motion, and the one that is found is not always that of a march from
     rest. A speed without contact, or at which no motion is found, is reported after the others, and
-    the exit code is 2. The case needs a superelement of the kind "blade" with massless contact
-    nodes, in a rigid wall or in a uniform flexible casing, in which equal blades follow one
+    the exit code is 2. The case needs a superelement with massless contact nodes in a rigid wall,
+    or one of the kind "blade" in a uniform flexible casing, in which equal blades follow one
     another. With --json and no -o nothing is written.
 
     With an imbalance and a round wall, rigid or flexible, the contact of any bladed disk is
@@ -48,14 +48,15 @@ def periodic(
     at a speed, which are all listed. So is that of a wheel on a shaft line with equal bearings, an
     unbalance and no weight.
 
-    With [[joint]] the motion is that of a tuned wheel whose blades touch each other in friction
-    joints, under engine orders and without a rub, from one blade or sector; the table lists
-    amplitudes of the loaded points, forces, states and work of the joints, and stability over
-    deviations of all blades. With --over march.speed, joint.NAME.preload, joint.NAME.friction or
-    excitation.amplitude the motion is followed over the key; the figure marks the smallest
-    amplitude. With --over and --speeds, the table and the figure are the design curve of the
-    joints: the largest amplitude over the speeds at each value of the key, with those of joints
-    that are free, closed without friction and stuck, and the value with the smallest one.
+    With [[joint]], and with a sector or a wheel, the motion is that of all blades of a tuned wheel,
+    which touch each other in friction joints and a rigid wall, under engine orders; it is computed
+    from one blade or sector. The table lists amplitudes, forces, states and work of the joints and
+    of the wall, and stability over deviations of all blades. With --over march.speed,
+    joint.NAME.preload, joint.NAME.friction, casing.clearance or excitation.amplitude the motion is
+    followed over the key; the figure marks the smallest amplitude. With --over and --speeds, the
+    table and the figure are the design curve of the joints: the largest amplitude over the speeds
+    at each value of the key, with those of joints that are free, closed without friction and
+    stuck, and the value with the smallest one.
 
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
     bladewhirl render, export and plot make films, series for ParaView and figures.
@@ -116,7 +117,7 @@ def periodic(
     folder = output if json or output is not None else Path(f"{case.stem}-periodic")
     present(study.report(data), case, output, overwrite=overwrite, json=json)
     failures = study.failures(data)
-    if folder is not None and len(set(data["speed"].values)) == 1 and not read.joint:
+    if folder is not None and len(set(data["speed"].values)) == 1 and "joint" not in data.dims:
         from bladewhirl.models.inputs.errors import CaseError
         from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.studies.periodic.records import record_motion
@@ -143,6 +144,7 @@ def _branch(
     json: bool,
 ) -> None:
     """Follow a branch and print it."""
+    from bladewhirl.studies.joints.motions import applies
     from bladewhirl.studies.periodic import branches as study
 
     key, start, stop = study.parse_over(over)
@@ -158,7 +160,7 @@ def _branch(
             speeds=None if speeds is None else [each.given for each in speeds],
             periods=periods,
             origin=origin,
-            directory=None if case.joint else folder,
+            directory=None if applies(case) else folder,
             overwrite=overwrite,
             progress=lambda share, done: update(int(share * 100), 100, text=f"{done} points"),
         )

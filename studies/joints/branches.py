@@ -1,4 +1,4 @@
-"""Branches of periodic motions of wheels with joints over a key of the case: Dataset and rows."""
+"""Branches of periodic motions of all blades of a wheel over a key of the case: Dataset, rows."""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -9,26 +9,41 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.joints.wheel import JointedWheel
 from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.joints.motions import plot_joint_branch
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joint_search import branch as followed
 from bladewhirl.solvers.periodic.joint_search import joint_motion
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion, common_order
-from bladewhirl.studies.joints.motions import COLUMNS, beyond, checked, dataset, hints, rows_of
+from bladewhirl.studies.joints.motions import (
+    beyond,
+    check,
+    dataset,
+    hints,
+    reaches,
+    rows_of,
+    rubbing_wheel,
+    shown_columns,
+)
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, table
 from bladewhirl.studies.sweeps.parameter import Parameter
 
 HARMONICS = 32  #: highest harmonic of the forces along a branch, for each engine order
 MOST = 400  #: largest number of points
+REACHED = "stopped: the tips reach the wall"  #: the end of a branch without a wall
 LINEAR = 1e-9  #: largest relative error of a wheel between two others
 SPLIT = (0.5, 0.3141)  #: places at which this error is computed
-MIXED = ("friction", "gap", "speed", "stiffness", "damping", "contact", "loads", "static")
+MIXED = (
+    *("friction", "gap", "speed", "stiffness", "damping", "contact", "loads", "static"),
+    *("wall", "radius"),
+)
 """Properties of a wheel that are interpolated."""
 
 
@@ -39,56 +54,97 @@ def branch(
     progress: Callable[[float, int], None] | None = None,
 ) -> xr.Dataset:
     """Follow the periodic motion of a tuned wheel with joints over a key; see `bladewhirl.branch`.
+    If its tips reach the wall, the whole branch is followed with it.
 
     Raises:
         CaseError: the case cannot be built at a value.
         UserError: the method does not apply, or no first motion was found.
     """
-    grid_at = _family(case, parameter)
     stage = build_stage(parameter.case(case, parameter.start))
     problem = contact_problem(stage, steps=False)
-    checked(problem, grid_at(0.0).wheel)
-    shares, motions, headings = list[float](), list[JointMotion](), list[float]()
-    ended = f"has {MOST} points"
-    try:
-        start = joint_motion(grid_at(0.0).wheel)
-        for share, motion, heading in followed(start.on(grid_at(0.0)), grid_at, points):
-            if reason := beyond(problem, motion):
-                ended = f"stopped: {reason}"
-                break
-            shares.append(share)
-            motions.append(motion)
-            headings.append(heading)
-            if progress is not None:
-                progress(share, len(motions))
-            if len(motions) == MOST:
-                break
-        else:
-            ended = f"reaches {parameter.text(parameter.start + shares[-1] * parameter.width)}"
-    except NotConverged as reason:
-        ended = f"lost: {reason}"
+    check(stage, problem)
+    loads = [each for each in case.excitations.values() if isinstance(each, EngineOrder)]
+    without = bool(case.joint) and any(each.order for each in loads)
+    for wall in (False, True) if without else (True,):
+        points_of = _Followed(problem, wall, progress)
+        points_of.follow(_family(case, parameter, wall), parameter, points)
+        if points_of.ended != REACHED:
+            break
+    motions = points_of.motions
     if not motions:
         where = parameter.text(parameter.start)
-        raise UserError(f"branch: no motion was found at {where}: {ended}")
-    values = parameter.start + np.array(shares) * parameter.width
+        raise UserError(f"branch: no motion was found at {where}: {points_of.ended}")
+    values = parameter.start + np.array(points_of.shares) * parameter.width
     return (
         dataset(case, motions, stage.reference_frequency)
         .swap_dims(speed="place")
-        .assign_coords(parameter=("place", values), heading=("place", headings))
-        .assign_attrs(key=parameter.key, unit=parameter.unit, ended=ended)
+        .assign_coords(parameter=("place", values), heading=("place", points_of.headings))
+        .assign_attrs(key=parameter.key, unit=parameter.unit, ended=points_of.ended)
     )
 
 
-def _family(case: Case, parameter: Parameter) -> Callable[[float], JointGrid]:
-    """Return the wheel at a share of the range, interpolated if it is linear in the parameter."""
+class _Followed:
+    """Points of a branch that is followed."""
+
+    def __init__(
+        self, problem: ContactProblem, wall: bool, progress: Callable[[float, int], None] | None
+    ) -> None:
+        self._problem, self._wall, self._progress = problem, wall, progress
+        self.shares, self.motions, self.headings = list[float](), list[JointMotion](), list[float]()
+        self.ended = f"has {MOST} points"
+
+    def follow(
+        self, grid_at: Callable[[float], JointGrid], parameter: Parameter, points: int
+    ) -> None:
+        """Follow the branch until it leaves the range, is lost, or reaches a wall that it does not
+        have."""
+        try:
+            start = joint_motion(grid_at(0.0).wheel)
+            for share, motion, heading in followed(start.on(grid_at(0.0)), grid_at, points):
+                if reason := self._obstacle(motion):
+                    self.ended = reason
+                    return
+                self.shares.append(share)
+                self.motions.append(motion)
+                self.headings.append(heading)
+                if self._progress is not None:
+                    self._progress(share, len(self.motions))
+                if len(self.motions) == MOST:
+                    return
+            self.ended = f"reaches {parameter.text(parameter.start + share * parameter.width)}"
+        except NotConverged as reason:
+            self.ended = f"lost: {reason}"
+
+    def _obstacle(self, motion: JointMotion) -> str:
+        """Return why a motion ends the branch; empty if it does not."""
+        if reason := beyond(self._problem, motion):
+            return f"stopped: {reason}"
+        return REACHED if not self._wall and reaches(self._problem, motion) else ""
+
+
+def _family(case: Case, parameter: Parameter, wall: bool) -> Callable[[float], JointGrid]:
+    """Return the wheel at a share of the range, with a wall or without, interpolated if it is
+    linear in the parameter."""
+
+    def at_value(share: float) -> JointedWheel:
+        value = parameter.start + min(max(share, 0.0), 1.0) * parameter.width
+        stage = cast(Matrices, build_stage(parameter.case(case, value)))
+        if not wall:
+            return jointed_wheel(stage)
+        return rubbing_wheel(stage, contact_problem(stage, steps=False))
+
+    one, other = at_value(0.0), at_value(1.0)
+    none = {n: 0.0 * gap for each in (one, other) for n, gap in each.wall.items()}
 
     def built(share: float) -> JointedWheel:
-        value = parameter.start + min(max(share, 0.0), 1.0) * parameter.width
-        return jointed_wheel(cast(Matrices, build_stage(parameter.case(case, value))))
+        """Return a wheel with the period of the whole range, although lobes of some are zero."""
+        wheel = at_value(share)
+        return replace(wheel, wall=none | dict(wheel.wall))
 
-    one, other = built(0.0), built(1.0)
+    one, other = (replace(each, wall=none | dict(each.wall)) for each in (one, other))
     linear = all(_apart(_between(one, other, share), built(share)) <= LINEAR for share in SPLIT)
-    highest = HARMONICS * max(one.orders) // common_order(one)
+    unit = max(max(each.main_orders) for each in (one, other))
+    highest = HARMONICS * unit // common_order(one)
 
     @lru_cache(maxsize=4)
     def at(share: float) -> JointGrid:
@@ -133,7 +189,7 @@ def report(data: xr.Dataset) -> Study:
     folds = [rows[n]["parameter"] for n in range(1, len(rows)) if heading[n] != heading[n - 1]]
     least = min(rows, key=lambda row: row["amplitude"] or 0.0)
     shown = [rows[n] for n in sorted({0, rows.index(least), len(rows) - 1})]
-    columns = (Column("parameter", data.attrs["key"], ".6g"), *COLUMNS)
+    columns = (Column("parameter", data.attrs["key"], ".6g"), *shown_columns(data))
     return Study(
         name="periodic",
         document={

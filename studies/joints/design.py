@@ -23,7 +23,7 @@ from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joint_search import joint_motion, rough_motion
 from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
 from bladewhirl.solvers.periodic.joints import JointMotion
-from bladewhirl.studies.joints.motions import amplitudes_of, checked, limits_of, stage_of
+from bladewhirl.studies.joints.motions import amplitudes_of, check, limits_of, stage_of
 from bladewhirl.studies.modal.response import response
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
@@ -154,7 +154,9 @@ def design(
     linear = response(base, speeds=(given / reference).tolist())
     inside = linear["peak_rpm"].values * np.pi / 30.0
     omegas = np.unique(np.concatenate([given, inside])).tolist()
-    checked(contact_problem(base, steps=False), jointed_wheel(base))
+    check(base, contact_problem(base, steps=False))
+    if not any(jointed_wheel(base).orders):
+        raise UserError('periodic: expected excitation.type = "engine-order" of an order above 0')
 
     stages = lru_cache(maxsize=STAGES)(base.at)
 

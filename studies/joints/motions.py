@@ -1,32 +1,38 @@
-"""Periodic motions of a tuned wheel with friction joints at speeds: Dataset, rows, document."""
+"""Periodic motions of a tuned wheel with friction joints or a rub: Dataset, rows, document."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, cast
+from dataclasses import replace
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.excitation import EngineOrder, NoExcitation
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.joints.limits import LIMITS
+from bladewhirl.models.joints.tips import WALL, obstacles
 from bladewhirl.models.joints.wheel import JointedWheel
-from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.modal_loads import NEVER
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.joints.motions import plot_joints
+from bladewhirl.solvers.periodic.blade import obstacles_over_time
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING
+from bladewhirl.solvers.periodic.joint_rub import rub
 from bladewhirl.solvers.periodic.joint_search import joint_motion
 from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
-from bladewhirl.solvers.periodic.joints import JointMotion
+from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion, common_order
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, quantity, table
 
+ALL_BLADES = "one motion for all blades"
+"""The kind of motion in messages."""
 VAGUE = 0.05  #: change with the harmonics from which on a hint names a motion
 INSTANTS = 128  #: least number of instants of the forces in the Dataset
 
@@ -41,6 +47,7 @@ COLUMNS = (
     Column("share_slipping", "slipping [–]", ".2f"),
     Column("work", "work in a period [J]", ".4g"),
     Column("joints"),
+    Column("wall"),
     Column("largest_multiplier", "largest multiplier [–]", ".4f"),
     Column("stable", "stable"),
     Column("linear_limits"),
@@ -50,6 +57,15 @@ COLUMNS = (
 )
 """Columns of the solutions; of several joints the largest force and share, and all work."""
 
+WALL_COLUMNS = (
+    Column("wall.largest_normal_force", "largest force on a tip [N]", ".4g"),
+    Column("wall.share_open", "tips open [–]", ".3f"),
+    Column("wall.impulse_per_revolution", "impulse per revolution [N s]", ".4g"),
+    Column("wall.friction_heat", "friction heat in a period [J]", ".4g"),
+    Column("wall.drive_work", "work of the drive in a period [J]", ".4g"),
+)
+"""Columns of the solutions with a wall."""
+
 OF_JOINTS = {
     "largest_normal_force": ("N", "largest normal force"),
     "share_open": ("1", "share of the period in which the nodes are open"),
@@ -58,43 +74,58 @@ OF_JOINTS = {
 }
 """Variables over (speed, joint) with unit and name."""
 
+OF_WALL = {
+    "impulse_per_revolution": ("N s", "normal impulse of a blade on the wall per revolution"),
+    "friction_heat": ("J", "heat of the friction of a blade on the wall in a period"),
+    "drive_work": ("J", "work of the drive by a blade on the wall in a period"),
+}
+"""Variables over speed of a rub, in the order of `Rub`, with unit and name."""
 
-def periodic(
-    case: Case,
-    *,
-    speeds: Sequence[float | str] | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> xr.Dataset:
-    """Compute the periodic motions of a tuned wheel with joints; see `bladewhirl.periodic`.
+
+class Found(NamedTuple):
+    """A motion, and the stage and the contact problem that it belongs to."""
+
+    stage: Matrices
+    problem: ContactProblem
+    motion: JointMotion
+
+
+def applies(case: Case) -> bool:
+    """Return whether motions of a case are those of all blades of a tuned wheel."""
+    table = case.bladed_disk.superelement
+    return bool(case.joint) or (table is not None and table.kind != "blade")
+
+
+def found_at(
+    stage: Stage, problem: ContactProblem, speed: str, before: Sequence[Found] = ()
+) -> Found:
+    """Return a periodic motion of a tuned wheel with joints, or with a wall that it touches.
+
+    Args:
+        stage: stage of a superelement.
+        problem: its contact problem.
+        speed: text of the speed in messages.
+        before: motions at other speeds, near the last of which the motion may be.
 
     Raises:
-        CaseError: the case cannot be built at one of the speeds.
-        UserError: the method does not apply, or at no speed a motion was found.
+        CaseError: the preload of a joint is not possible.
+        UserError: the method does not apply, or no motion was found.
     """
-    given = [case.march.speed.given] if speeds is None else list(speeds)
-    if not given:
-        raise UserError("periodic: speeds []: expected at least one speed")
-    found: list[JointMotion] = []
-    failures, motion, stage = list[str](), None, None
-    for done, each in enumerate(given, 1):
-        speed = speed_of(each, f"periodic: speeds {each!r}")
-        stage = stage_of(with_values(case, {"march.speed": speed.given}), stage)
-        problem = contact_problem(stage, steps=False)
-        wheel = checked(problem, jointed_wheel(stage))
-        try:
-            motion = joint_motion(wheel, motion)
-            if reason := beyond(problem, motion):
-                failures.append(f"periodic: at {speed} {reason}")
-            else:
-                found.append(motion)
-        except NotConverged as reason:
-            failures.append(f"periodic: no periodic motion was found at {speed}: {reason}")
-        if progress is not None:
-            progress(done, len(given))
-    if not found or stage is None:
-        raise UserError(*failures)
-    data = dataset(case, found, stage.reference_frequency)
-    return data.assign_attrs(failures="\n".join(failures))
+    check(stage, problem)
+    own = cast(Matrices, stage)  # of superelements, see `applies`
+    start = before[-1].motion if before else None
+    try:
+        motion = _motion(own, problem, start)
+    except NotConverged as missed:
+        raise UserError(f"periodic: no periodic motion was found at {speed}: {missed}") from None
+    if not motion.touches and not stage.case.joint:
+        raise UserError(
+            f"periodic: no contact at {speed}: the smallest gap is"
+            f" {1e3 * motion.smallest_gap:.4g} mm"
+        )
+    if reason := beyond(problem, motion):
+        raise UserError(f"periodic: at {speed} {reason}")
+    return Found(own, problem, motion)
 
 
 def stage_of(case: Case, like: Matrices | None = None) -> Matrices:
@@ -106,59 +137,86 @@ def stage_of(case: Case, like: Matrices | None = None) -> Matrices:
     return cast(Matrices, like.with_case(case)).at(speed)
 
 
-def checked(problem: ContactProblem, wheel: JointedWheel) -> JointedWheel:
-    """Return a wheel to which the method applies.
+def _motion(stage: Matrices, problem: ContactProblem, start: JointMotion | None) -> JointMotion:
+    """Return a motion, with the wall only if it is touched without it; for errors see `found_at`
+    and `joint_motion`."""
+    if stage.case.joint and (wheel := jointed_wheel(stage)).varies:
+        motion = joint_motion(wheel, start)
+        if not reaches(problem, motion):
+            return motion
+    return joint_motion(rubbing_wheel(stage, problem), start)
+
+
+def rubbing_wheel(stage: Matrices, problem: ContactProblem) -> JointedWheel:
+    """Return the wheel of a stage whose tips touch the wall of its contact problem.
 
     Raises:
-        UserError: it does not.
+        UserError: the method does not apply.
     """
-    if problem.speed == 0.0:
-        raise UserError("periodic: march.speed = 0: expected a speed at which the loads vary")
-    if not any(wheel.orders):
-        raise UserError('periodic: expected excitation.type = "engine-order" of an order above 0')
-    if problem.casing.is_flexible:
-        raise UserError('periodic: joints: expected casing.type = "rigid"')
-    if any(abs(load.rotor).any() for load in problem.loads if load.end != NEVER):
-        raise UserError("periodic: a load ends; expected loads without an end")
+    for reason in obstacles(problem):
+        raise UserError(f"periodic: {ALL_BLADES}: {reason}")
+    wheel = jointed_wheel(stage, problem)
+    if not wheel.varies:
+        raise UserError(
+            "periodic: the wall is round and no load varies with time, so that the motion has no"
+            " period"
+        )
     return wheel
 
 
+def check(stage: Stage, problem: ContactProblem) -> None:
+    """Check that the motions of a stage follow from one blade.
+
+    Raises:
+        UserError: they do not.
+    """
+    if problem.speed == 0.0:
+        raise UserError("periodic: march.speed = 0: expected a speed at which the loads vary")
+    for reason in obstacles_over_time(problem):
+        raise UserError(f"periodic: {reason}")
+    for key, load in stage.case.excitations.items():
+        if not isinstance(load, EngineOrder | NoExcitation):
+            raise UserError(f'periodic: {key}.type = "{load.type}": expected engine orders or none')
+    if any(abs(load.rotor).any() for load in problem.loads if load.end != NEVER):
+        raise UserError("periodic: a load ends; expected loads without an end")
+
+
+def reaches(problem: ContactProblem, motion: JointMotion) -> bool:
+    """Return whether the tips of a motion without a wall can be beyond it."""
+    tips = motion.of_points()[:, len(motion.grid.wheel.loaded) :, 0]
+    nearest = problem.clearance(NEVER)[:, 0].min() + problem.rotor.tip_recess.min()
+    return bool(tips.size and tips.max() > nearest)
+
+
 def beyond(problem: ContactProblem, motion: JointMotion) -> str:
-    """Return why a motion is not one of the joints alone; empty if it is."""
-    moved = motion.of_points()
-    largest = float(np.abs(moved).max(initial=0.0))
-    if largest > problem.displacement_limit:
-        return (
-            f"points move by {largest:.4g} m, beyond march.displacement_limit ="
-            f" {problem.displacement_limit:.4g} m"
-        )
-    tips = moved[:, len(motion.grid.wheel.loaded) :, 0]
-    clearance = float(problem.clearance(NEVER)[:, 0].min())
-    if tips.size and tips.max() > clearance:
-        return (
-            f"the tips reach the wall: they move outward by {1e3 * tips.max():.4g} mm, and the"
-            f" clearance is {1e3 * clearance:.4g} mm; joints with a rub are not computed"
-        )
-    return ""
+    """Return why the displacements of a motion are too large; empty if they are not."""
+    largest = float(np.abs(motion.of_points()).max(initial=0.0))
+    if largest <= problem.displacement_limit:
+        return ""
+    return (
+        f"points move by {largest:.4g} m, beyond march.displacement_limit ="
+        f" {problem.displacement_limit:.4g} m"
+    )
 
 
 def amplitudes_of(motion: JointMotion) -> ComplexArray:
     """Return the complex amplitudes of the lowest engine order at `JointedWheel.shown` [m],
     (points, 3)."""
     wheel = motion.grid.wheel
-    order = next(each for each in wheel.orders if each)
+    order = wheel.shown_order
     return wheel.at_points(order, motion.of_order(order))[: len(wheel.shown)]
 
 
 def limits_of(wheel: JointedWheel) -> FloatArray:
     """Return the amplitudes of the same points in the linear limits, (limits, points) [m]."""
-    order = next(each for each in wheel.orders if each)
+    order = wheel.shown_order
     moved = [wheel.limit(order, held)[: len(wheel.shown)] for held in LIMITS.values()]
     return np.asarray(np.linalg.norm(moved, axis=-1))
 
 
 def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.Dataset:
-    """Return the Dataset of motions at speeds, for a reference frequency [rad/s]."""
+    """Return the Dataset of motions at speeds, for a reference frequency [rad/s]; either all of
+    them have a wall or none."""
     wheel = motions[0].grid.wheel
     speeds = np.array([each.grid.wheel.speed for each in motions])
     count = wheel.blades * -(-INSTANTS // wheel.blades)  # all blades have the same instants
@@ -177,20 +235,20 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
         "share_slipping": of_joints(lambda m: m.states == SLIPPING, np.mean),
         "work": of_joints(lambda m: m.work, np.sum),
     }
-    order = next(each for each in wheel.orders if each)
+    order = wheel.shown_order
     amplitude = [np.abs(amplitudes_of(each)) for each in motions]
     limits = [limits_of(each.grid.wheel) for each in motions]
     largest = np.array([abs(multipliers(each)[0]) for each in motions])
     over, nodes = "speed", ("speed", "instant", "joint_node")
+    label = f"amplitude of engine order {order}"
     return xr.Dataset(
         {
             **{
                 name: quantity((over, "joint"), sums[name], unit, label)
                 for name, (unit, label) in OF_JOINTS.items()
             },
-            "point_amplitude": quantity(
-                (over, "point", "direction"), amplitude, "m", f"amplitude of engine order {order}"
-            ),
+            **_of_wall(motions),
+            "point_amplitude": quantity((over, "point", "direction"), amplitude, "m", label),
             "linear_limit": quantity(
                 (over, "limit", "point"),
                 limits,
@@ -228,7 +286,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
             "limit": list(LIMITS),
         },
         attrs={
-            "title": "periodic motion of a wheel with joints",
+            "title": "periodic motion of all blades of a wheel",
             "case": case.title,
             "engine_order": order,
             "points": "point" if wheel.loaded else "tip node",
@@ -238,9 +296,35 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
     )
 
 
+def _of_wall(motions: Sequence[JointMotion]) -> dict[str, Any]:
+    """Return the variables of the rub on a wall; none without a wall."""
+    if not motions[0].grid.wheel.rubs:
+        return {}
+    rubs = np.array([rub(each) for each in motions])
+    return {
+        name: quantity("speed", values, unit, label)
+        for (name, (unit, label)), values in zip(OF_WALL.items(), rubs.T, strict=True)
+    }
+
+
+def alike(found: Sequence[Found]) -> list[JointMotion]:
+    """Return motions that all have a wall if one of them touches it."""
+    motions = [each.motion for each in found]
+    if not any(motion.grid.wheel.rubs for motion in motions):
+        return motions
+    for n, (stage, problem, motion) in enumerate(found):
+        if not motion.grid.wheel.rubs:
+            wheel = rubbing_wheel(stage, problem)
+            finer = motion.grid.order // common_order(wheel)
+            grid = JointGrid(wheel, motion.grid.harmonics * finer)
+            motions[n] = replace(motion.on(grid), change=motion.change)
+    return motions
+
+
 def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
     """Return the document, table and figure of `periodic`."""
     rows = rows_of(data)
+    columns = shown_columns(data)
     document = {
         "reference_frequency_hz": data.attrs["reference_frequency_hz"],
         "engine_order": data.attrs["engine_order"],
@@ -250,10 +334,17 @@ def report(data: xr.Dataset, failures: Sequence[str]) -> Study:
     return Study(
         name="periodic",
         document=document,
-        tables=[table(rows, COLUMNS, "Periodic motions with joints")],
+        tables=[table(rows, columns, "Periodic motions of all blades")],
         figures=lambda: {"periodic": (plot_joints(data), data)},
         hints=hints(rows),
     )
+
+
+def shown_columns(data: xr.Dataset) -> tuple[Column, ...]:
+    """Return the columns of motions: those of joints only if there are some besides a wall."""
+    contacts = data["joint"].values.tolist()
+    own = COLUMNS if contacts != [WALL] else [each for each in COLUMNS if each.key not in OF_JOINTS]
+    return (*own, *(WALL_COLUMNS if WALL in contacts else ()))
 
 
 def hints(rows: Sequence[dict[str, Any]]) -> str:
@@ -284,20 +375,25 @@ def rows_of(data: xr.Dataset, over: str = "speed") -> list[dict[str, Any]]:
     rows, limits = [], data["limit"].values.tolist()
     for n in range(data.sizes[over]):
         one = data.isel({over: n})
-        of_joints = {
+        contacts = {
             name: {key: float(one[key].sel(joint=name)) for key in OF_JOINTS}
             for name in one["joint"].values.tolist()
         }
+        wall = contacts.pop(WALL, None)
+        points = one["point_amplitude"].values
         rows.append(
             {
                 "speed": float(one["speed"]),
                 "speed_rad_s": float(one["rpm"]) * np.pi / 30.0,
                 "speed_rpm": float(one["rpm"]),
-                "amplitude": _largest(one["point_amplitude"].values),
-                "point_amplitude": one["point_amplitude"].values.tolist(),
-                **{key: float(one[key].max("joint")) for key in list(OF_JOINTS)[:3]},
-                "work": float(one["work"].sum("joint")),
-                "joints": of_joints,
+                "amplitude": _largest(points),
+                "point_amplitude": points.tolist(),
+                **{
+                    key: (sum if key == "work" else max)(each[key] for each in contacts.values())
+                    for key in (OF_JOINTS if contacts else ())
+                },
+                "joints": contacts,
+                "wall": wall and wall | {key: float(one[key]) for key in OF_WALL},
                 "largest_multiplier": float(one["largest_multiplier"]),
                 "stable": bool(one["stable"]),
                 "linear_limits": dict(

@@ -33,6 +33,7 @@ from bladewhirl.solvers.periodic.search import prolonged
 from bladewhirl.studies.joints import branches as joints
 from bladewhirl.studies.joints.design import VALUES, design
 from bladewhirl.studies.joints.design import report as report_design
+from bladewhirl.studies.joints.motions import ALL_BLADES, applies
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating_branches
 from bladewhirl.studies.periodic.branch_file import (
@@ -208,12 +209,15 @@ def branch(
     folder = None if directory is None else Path(directory)
     check_figure_folder(folder, overwrite=overwrite)
     parameter = Parameter.of(case, over, start, stop)
-    if case.joint:
+    if applies(case):
         if (blade, periods, origin, folder) != (0, 1, None, None):
-            raise UserError("branch: joints: expected no blade, periods, origin and directory")
-        if speeds is not None:
+            raise UserError(
+                f"branch: {ALL_BLADES}: expected no blade, periods, origin and directory"
+            )
+        if speeds is not None and case.joint:
             return design(case, parameter, speeds, points or VALUES, progress)
-        return joints.branch(case, parameter, points or POINTS, progress)
+        if speeds is None:
+            return joints.branch(case, parameter, points or POINTS, progress)
     if speeds is not None:
         raise UserError("branch: speeds: expected none without [[joint]], or a sweep")
     points = points or POINTS

@@ -95,16 +95,18 @@ def periodic(
     are also `shaft_displacement` [m, rad] of each node in rotating axes, `bearing_amplitude` [m]
     and `bearing_force` [N].
 
-    A case with [[joint]] has the motion of a tuned wheel under engine orders, which joints couple,
-    without a rub. The Dataset then has over (speed, joint) `largest_normal_force` [N],
-    `share_open`, `share_slipping` and `work` [J] in a period; `point_amplitude` [m] of the loaded
-    points; and over (speed, instant, joint_node) `normal_force`, `tangential_force` [N],
+    A case with [[joint]], a sector or a wheel has the motion of all blades of a tuned wheel, from
+    one of them, under engine orders and in a rigid wall. The Dataset then has over (speed, joint)
+    `largest_normal_force` [N], `share_open`, `share_slipping` and `work` [J] in a period, for each
+    joint and the "casing wall" if tips touch it; `impulse_per_revolution` [N s], `friction_heat`
+    and `drive_work` [J] in a period at the wall; `point_amplitude` [m]; and
+    over (speed, instant, joint_node) `normal_force`, `tangential_force` [N],
     `relative_displacement` [m] and `state`.
 
     Args:
-        case_or_stage: a case with a superelement of the kind "blade" in a rigid wall or, with equal
-            blades at equal angles, in a uniform flexible casing; or with an
-            imbalance and a round wall, or its stage.
+        case_or_stage: a case with a superelement in a rigid wall or, with equal blades at equal
+            angles of the kind "blade", in a uniform flexible casing; or with an imbalance and a
+            round wall, or its stage.
         speeds: speeds of rotation, each a multiple of the reference frequency or text such as "2500
             rpm"; by default the speed of the case.
         blade: number of the blade; in a rigid wall blades do not influence each other, in a
@@ -132,25 +134,26 @@ def periodic(
             found.
     """
     stage = case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case
-    if stage.joint:
-        if blade or periods != 1 or origin is not None:
-            raise UserError("periodic: joints: expected no blade, periods and origin")
-        return joints.periodic(stage, speeds=speeds, progress=progress)
     given = [stage.march.speed.given] if speeds is None else list(speeds)
     if not given:
         raise UserError("periodic: speeds []: expected at least one speed")
     solutions, failures, reference = list[Solution](), list[str](), 1.0
-    constant = list[corotating.State]()
+    constant, of_all = list[corotating.State](), list[joints.Found]()
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
         own = corotating.without_steps(with_values(stage, {"march.speed": speed.given}))
-        at_speed = build_stage(own)
+        at_speed = joints.stage_of(own, of_all[-1].stage) if of_all else build_stage(own)
         reference = at_speed.reference_frequency
         problem = contact_problem(at_speed, steps=False)
-        rests = corotating.is_corotating(problem)
-        structure = None if rests else blade_of(at_speed, blade, periods)
+        rests = not stage.joint and corotating.is_corotating(problem)
+        by_sector = not rests and joints.applies(stage)
+        if by_sector and (blade or periods != 1 or origin is not None):
+            raise UserError(f"periodic: {joints.ALL_BLADES}: expected no blade, periods and origin")
+        structure = None if rests or by_sector else blade_of(at_speed, blade, periods)
         try:
-            if structure is None:
+            if by_sector:
+                of_all.append(joints.found_at(at_speed, problem, str(speed), of_all))
+            elif structure is None:
                 constant += corotating.states(problem, str(speed))
             else:
                 start = None if origin is None else motion_of(Path(origin), structure, blade)
@@ -159,7 +162,9 @@ def periodic(
             failures += failure.lines
         if progress is not None:
             progress(done, len(given))
-    if constant:
+    if of_all:
+        data = joints.dataset(stage, joints.alike(of_all), reference)
+    elif constant:
         data = corotating.dataset(at_speed, constant)
     elif solutions:
         data = _dataset(stage, solutions, reference).assign_attrs(blade=blade, periods=periods)

@@ -1,4 +1,5 @@
-"""Friction joints: an oscillator with a Jenkins damper, a spring that slides."""
+"""Friction joints and tips at a wall: oscillators with a Jenkins damper, a spring that slides, or
+with an elastic stop that moves."""
 
 import numpy as np
 
@@ -10,6 +11,7 @@ SOFT = 10.0  #: flexibility of each side of a damper with a fifth of the stiffne
 RATIO = 1e-3  #: damping ratio
 STIFF = 1e-5  #: flexibility of each side of a damper that is hardly elastic
 SLIDING_AT = 1.05  #: frequency at which the damper slides
+STOP, DAMPED = 0.2, 0.1  #: flexibility of a stop, and damping ratio of an oscillator with it
 STEPS, PERIODS = 2000, 60  #: steps of a period and periods of a time integration
 
 
@@ -87,3 +89,46 @@ def sliding_damper(limit: str) -> Pair:
             place += step * rate
             seen += place * now.conjugate()
     return 2.0 * abs(seen) / STEPS, amplitude(oscillator(r, force, SOFT, RATIO))
+
+
+@verifies("0.8:0.2", "1.5:0.8")
+def moving_stop(point: str) -> Pair:
+    """Compare the amplitude of an oscillator that a wavy wall pushes, at a frequency and with a
+    mean gap relative to the wave, with that of a time integration."""
+    r, gap = (float(each) for each in point.split(":"))
+    compliance = np.zeros((1, 6, 1, 6))
+    compliance[0, range(3, 6), 0, range(3, 6)] = STOP
+    contact = np.zeros((1, 6, 1))
+    contact[0, 3, 0] = -1.0
+    given = JointedWheel(
+        names=("wall",),
+        joint=np.zeros(1, dtype=np.int64),
+        friction=np.zeros(1),
+        gap=np.array([gap]),
+        speed=r,
+        blades=1,
+        stiffness=np.ones((1, 1)),
+        damping=np.full((1, 1, 1), 2.0 * DAMPED),
+        contact=contact,
+        compliance=compliance,
+        loads={},
+        static={},
+        points=np.array([[1.0], [0.0], [0.0]]),
+        loaded=(0,),
+        points_by_force=np.zeros((3, 1, 6)),
+        wall={1: np.ones(1, dtype=np.complex128)},
+        radius=np.ones(1),
+    )
+    found = given.at_points(1, joint_motion(given).of_order(1))[0, 0]
+    step = 2.0 * np.pi / r / STEPS
+    wave = np.exp(1j * r * step * np.arange(STEPS))
+    place, seen = 0.0, 0.0j
+    rate = 0.0
+    for _ in range(PERIODS):
+        seen = 0.0j
+        for now in wave.tolist():
+            pushed = max(0.0, place - gap - now.real) / STOP
+            rate += step * (-place - pushed - 2.0 * DAMPED * rate)
+            place += step * rate
+            seen += place * now.conjugate()
+    return 2.0 * abs(seen) / STEPS, float(abs(found))

@@ -6,15 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_line import answer, refusal
+from command_line import answer
 from joint_cases import tables
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.periodic import joint_search
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joints import JointMotion
+from bladewhirl.studies.joints.motions import alike, dataset, found_at, rubbing_wheel
 from bladewhirl.studies.runs.run import resume
 
 
@@ -134,11 +137,75 @@ def test_the_command_lists_points_and_joints(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "periodic.png").exists()
 
 
-def test_tips_that_reach_the_wall_are_reported(tmp_path: Path) -> None:
+def near_a_wall(folder: Path, **joint: Any) -> bw.Case:
+    """Blades in an oval wall that closes to 1 um above the tips, and 1 um beyond them twice."""
+    own = tables(folder, **joint) | {"reduction": {"free_interface_modes": 8}}
+    own["damping"] = {"ratio": 0.1}
+    own["casing"] |= {
+        "clearance": "2.001 mm",
+        "clearance_lobes": [{"lobes": 2, "amplitude": "2 um"}],
+        "closure": {"amount": "2 mm", "time_constant": "1 ms"},
+    }
+    return bw.case_from(own)
+
+
+def test_joints_rub_on_a_wall_that_the_tips_reach(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
-    file.write_text(dumps_case(case(tmp_path, preload="10 N")))
-    near = ["--set", "casing.clearance=1e-12"]
-    assert "reach the wall" in refusal("periodic", file, *near, "--json")
+    file.write_text(dumps_case(near_a_wall(tmp_path, preload="100 N")))
+    (row,) = json.loads(answer("periodic", file, "--json").stdout)["solutions"]
+    assert row["wall"]["impulse_per_revolution"] > 0.0
+    assert 0.0 < row["wall"]["share_open"] < 1.0
+    assert row["wall"]["drive_work"] > row["wall"]["friction_heat"] > 0.0
+    assert [*row["joints"]] == ["shroud"]
+    assert row["largest_normal_force"] == row["joints"]["shroud"]["largest_normal_force"]
+
+
+@pytest.mark.slow
+def test_one_blade_of_a_wheel_rubs_as_one_alone() -> None:
+    given = bw.case_from(
+        {
+            "bladed_disk": {"superelement": {"file": "examples/twisted_blade.npz"}},
+            "reduction": {"free_interface_modes": 20},
+            "damping": {"ratio": 0.01},
+            "casing": {
+                "type": "rigid",
+                "clearance": "0.25 mm",
+                "clearance_lobes": [{"lobes": 2, "amplitude": "0.27 mm"}],
+            },
+            "contact": {"friction": 0.05},
+            "march": {"speed": "7000 rpm", "time_step": "1 us"},
+        }
+    )
+    alone = bw.periodic(given).isel(speed=0)
+    stage = build_stage(given)
+    one = found_at(stage, contact_problem(stage, steps=False), "7000 rpm")
+    together = dataset(given, alike([one]), 1.0).isel(speed=0)
+    impulse = float(together["impulse_per_revolution"])
+    assert impulse == pytest.approx(float(alone["impulse_per_revolution"]), rel=1e-4)
+    moved = alone["amplitude"].sel(order=2).values
+    assert together["point_amplitude"].values == pytest.approx(moved, rel=3e-4)
+    largest = -float(alone["contact_force"].sel(direction="radial").min())
+    assert float(together["largest_normal_force"][0]) == pytest.approx(largest, rel=3e-3)
+    multiplier = float(np.abs(alone["multipliers"][0]))
+    assert float(together["largest_multiplier"]) == pytest.approx(multiplier, abs=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"casing.type": "ring", "casing.support": "1e6 N/m2"}, "flexible casing"),
+        ({"contact.tip_rotation": True}, "contact.tip_rotation"),
+        ({"casing.clearance_lobes": [], "excitation.order": 0}, "the wall is round"),
+    ],
+)
+def test_a_rub_that_does_not_follow_from_one_blade_is_refused(
+    tmp_path: Path, changes: dict[str, Any], message: str
+) -> None:
+    given = bw.with_values(near_a_wall(tmp_path, preload="100 N"), changes)
+    stage = build_stage(given)
+    assert isinstance(stage, Matrices)
+    with pytest.raises(bw.UserError, match=message):
+        rubbing_wheel(stage, contact_problem(stage, steps=False))
 
 
 @pytest.mark.parametrize(
@@ -176,7 +243,7 @@ def test_the_command_follows_a_branch(tmp_path: Path) -> None:
 
 
 def test_branches_of_joints_begin_at_rest(tmp_path: Path) -> None:
-    with pytest.raises(bw.UserError, match="joints: expected no blade"):
+    with pytest.raises(bw.UserError, match="one motion for all blades: expected no blade"):
         bw.branch(case(tmp_path), "march.speed", "5000 rpm", "6000 rpm", periods=2)
 
 
