@@ -74,7 +74,7 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
     assert result.stderr.startswith("state-space left out: a Poincaré map needs one revolution")
     absent = {name for name, kind in RUN_FIGURES.items() if OF_OTHERS.intersection(kind.needs)}
     assert not any(name in result.stderr for name in absent)
-    left_out = 2 + 4 + len(absent)  # four need sensors
+    left_out = 3 + 4 + len(absent)  # three need a turn or a motion, four sensors
     assert len(list((still / "plots").iterdir())) == 2 * (len(RUN_FIGURES) - left_out) + 1
     refusal("plot", still, "state-space")
 
