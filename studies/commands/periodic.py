@@ -64,7 +64,8 @@ def periodic(
     With --over the motion is followed over a key of the case through folds, at which marches jump.
     The table lists folds, period doublings and Neimark-Sacker bifurcations (quasi-periodic
     motions), each confirmed with twice as many instants. branch.nc is written point by point, and
-    --resume DIR continues it after an interruption.
+    --resume DIR continues it after an interruption; not with [[joint]] or constant contact, where
+    it is written at the end.
 
     Args:
         speeds: Speeds of rotation: multiples of ω₁, or such as "5000 rpm,5200 rpm"; by default the
@@ -144,12 +145,14 @@ def _branch(
     json: bool,
 ) -> None:
     """Follow a branch and print it."""
+    from bladewhirl.postprocess.periodic.dataset import BRANCH_NAME
     from bladewhirl.studies.joints.motions import applies
     from bladewhirl.studies.periodic import branches as study
 
     key, start, stop = study.parse_over(over)
     remedy = f"bladewhirl periodic --resume {folder} continues"
-    with progress_bar("branch") as update, interruptible(remedy, folder):
+    kept = None if folder is None else folder / BRANCH_NAME  # not written on the way by all studies
+    with progress_bar("branch") as update, interruptible(remedy, kept, new=True):
         data = study.branch(
             case,
             key,

@@ -285,11 +285,18 @@ def _leave(error: OSError) -> NoReturn:
 
 
 @contextmanager
-def interruptible(remedy: str, folder: Path | None) -> Iterator[None]:
-    """On Ctrl-C, print one line that says how to continue if the folder exists, and exit."""
+def interruptible(remedy: str, place: Path | None, *, new: bool = False) -> Iterator[None]:
+    """On Ctrl-C, print one line that says how to continue if the place exists, and exit; `new`:
+    only if it was written since, so that it is not what an earlier command left there."""
+    before = _written(place) if new else None
     try:
         yield
     except KeyboardInterrupt:
-        begun = folder is not None and folder.exists()
+        begun = _written(place) not in (None, before)
         typer.echo(f"interrupted; {remedy if begun else 'nothing is written'}", err=True)
         raise typer.Exit(INTERRUPTED) from None
+
+
+def _written(place: Path | None) -> int | None:
+    """Return when a file or folder was written last [ns]; None if it does not exist."""
+    return place.stat().st_mtime_ns if place is not None and place.exists() else None

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import loaded, refusal
+from places import EXAMPLES
 from small_run import COMMAND
 from typer import Exit
 from typer.main import get_command
@@ -73,6 +74,30 @@ def test_a_command_that_is_stopped_names_no_folder_that_is_not_there(
         with pytest.raises(Exit), interruptible("it continues", folder):
             raise KeyboardInterrupt
         assert capsys.readouterr().err.strip() == text
+
+
+@pytest.mark.parametrize("writes", [True, False])
+def test_an_interrupted_branch_continues_only_if_it_wrote_points(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writes: bool
+) -> None:
+    earlier = tmp_path / "out" / "branch.nc"  # of an earlier branch, which is to be replaced
+    earlier.parent.mkdir()
+    earlier.touch()
+    os.utime(earlier, (0, 0))
+
+    def interrupted(*_: object, **__: object) -> None:
+        if writes:
+            earlier.write_bytes(b"points")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("bladewhirl.studies.periodic.branches.branch", interrupted)
+    case = EXAMPLES / "shrouded_blade.toml"
+    over = "joint.shroud.preload=25 N:1600 N"
+    words = ["periodic", str(case), "--over", over, "-o", str(earlier.parent), "--overwrite"]
+    done = RUNNER.invoke(app, words)
+    continues = f"bladewhirl periodic --resume {earlier.parent} continues"
+    assert done.stderr.strip() == f"interrupted; {continues if writes else 'nothing is written'}"
+    assert done.exit_code == terminal.INTERRUPTED
 
 
 def test_workers_end_with_their_parent_before_they_load_anything() -> None:
