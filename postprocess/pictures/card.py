@@ -21,6 +21,7 @@ from bladewhirl.postprocess.fields.by_blade import (
     of_first_wheel,
 )
 from bladewhirl.postprocess.fields.kinematics import table_of_result
+from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import span_starts
 from bladewhirl.postprocess.pictures.flat import MOST_NUMBERS, draw_flat, flat_stage
@@ -73,7 +74,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
     ascending = np.argsort(frequency, kind="stable")
     own = diameter_shares(result)
     shares = np.concatenate([own[:0], *[own] * len(names)])
-    regime = classify(result, energies["total"].values)
+    regime, loss = classify(result, energies["total"].values), lost_blades(result)
     return (
         xr.merge([stage, split, seen], combine_attrs="drop")
         .assign(
@@ -91,6 +92,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             averaged_over=peak["averaged_over"],
             blades=blade_count(of_first_wheel(result)),
             shown_time=float(result["time"][record]),
+            loss_time=loss.time if loss else np.inf,
         )
     )
 
@@ -197,9 +199,13 @@ def _draw_history(axes: Axes, data: xr.Dataset) -> None:
     unit, scale = handy_unit(float(force.max()), "N")
     axes.plot(time[starts], scale * np.maximum.reduceat(force, starts), color=COLOURS["total"])
     axes.axvline(data.attrs["shown_time"], color=COLOURS["k = 1"], linewidth=0.9)
+    title = "largest force on a blade; orange: the instant drawn above"
+    if data.attrs["loss_time"] <= time[-1]:
+        axes.axvline(data.attrs["loss_time"], color=COLOURS["total"], linestyle="--", linewidth=0.7)
+        title += "; dashed: the loss"
     axes.set(xlim=time[[0, -1]], ylim=(0, 1.05 * scale * force.max() or 1.0))
     axes.set_ylabel(f"force [{unit}]")
-    axes.set_title("largest force on a blade; orange: the instant drawn above")
+    axes.set_title(title)
     time_axis(axes)
 
 

@@ -144,7 +144,10 @@ def colouring(
     casing = _casing(dataset, points, field, records, per_element, rotating)
     if not found.signed:
         casing = np.abs(casing)
-    values, normalised = np.broadcast_to(values, (*values.shape[:2], 2)), is_normalised(dataset)
+    normalised = is_normalised(dataset)
+    values = np.array(np.broadcast_to(values, (*values.shape[:2], 2)))
+    gone = dataset["time"].values[records] >= points.lost_from
+    values[np.ix_(gone, points.lost.astype(np.int64))] = np.nan
     largest = _largest(values, nodes), _largest(casing)
 
     parts = None
