@@ -265,21 +265,25 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
 
 
 def number_places(picture: Picture, first: IntArray, size: float) -> Array:
-    """Return places of the numbers of blades, beside the first tip of each that is seen, (blade, 2)
-    [m]; NaN where none is seen.
+    """Return places of the numbers of blades (blade, 2) [m]: beside the tip of a beam, and on a
+    blade in space, where the place beside it can be on another one, below the middle of the contact
+    nodes that are seen; NaN where none is seen.
 
     Args:
         picture: the stage at a record.
         first: number of the first contact node of each blade, (blade,).
         size: distance from the middle to the edge of the picture [m].
     """
-    seen = ~picture.hidden[: len(picture.tips)]
-    number = np.where(seen, np.arange(len(seen)), len(seen))
-    nearest = np.minimum.reduceat(number, first)
-    span = np.vstack([picture.tips, [np.nan, np.nan]])[nearest] - picture.shaft
+    seen = ~picture.hidden[: len(picture.tips), None]
+    count = np.add.reduceat(1.0 * seen, first)
+    sums = np.add.reduceat(np.where(seen, picture.tips - picture.shaft, 0.0), first)
+    span = sums / np.where(count > 0.0, count, np.nan)
+    place = picture.shaft + NUMBER_PLACE * span
+    if picture.solids:
+        return np.asarray(place)
     aside = rotate(unit(span), np.pi / 2)
     reach = min(float(np.max(np.nan_to_num(np.abs(span)), initial=0.0)), size)
-    return np.asarray(picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * reach * aside)
+    return np.asarray(place + NUMBER_ASIDE * reach * aside)
 
 
 def widened(sides: Array, right: float, left: float) -> Array:
