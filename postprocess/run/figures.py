@@ -9,6 +9,7 @@ from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.netcdf import has
+from bladewhirl.postprocess.fields.rotation import varies
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
@@ -103,10 +104,11 @@ class RunFigures(Figures):
         return spectra.with_lines(spectrum, spectra.modal_lines(self.result, frame))
 
     def spectrogram(self, frame: Frame) -> xr.Dataset:
-        """Spectrogram of the shaft, with frequencies of modes."""
-        return spectra.with_lines(
-            spectra.shaft_spectrogram(self.orbit, frame), spectra.modal_lines(self.result, frame)
-        )
+        """Spectrogram of the shaft, with frequencies of modes, or with lines that follow the
+        speed."""
+        spectrogram = spectra.shaft_spectrogram(self.orbit, frame)
+        times = spectrogram["time"].values if varies(self.result) else None
+        return spectra.with_lines(spectrogram, spectra.modal_lines(self.result, frame, times))
 
     @cached_property
     def energies(self) -> xr.Dataset:

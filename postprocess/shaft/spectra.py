@@ -20,6 +20,7 @@ from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import has
+from bladewhirl.postprocess.fields.rotation import speed_at
 from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
 from bladewhirl.postprocess.plotting.axes import draw_decades
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -58,7 +59,7 @@ LINE_DASHES: Mapping[str, Any] = {
 """Styles of lines that can be distinguished without colour."""
 
 
-def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
+def modal_lines(dataset: xr.Dataset, frame: Frame, times: Array | None = None) -> xr.DataArray:
     """Return the speed, and the frequencies of modes that can move the shaft [rad/s], in the frame
     of the observer.
 
@@ -68,18 +69,21 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     the two frames differ by the speed. A further line, "Ω", is the frequency of a stationary load
     in the rotating frame, or of a load that turns with the rotor in the static frame.
 
+    The modes of the rotor are those at the last speed; lines over `times` [s] leave them out.
+
     Returns:
-        Frequencies (line,), forward positive. The coordinate `mode` (line,) contains the names
-        "1F", "suspension", "casing" and "Ω".
+        Frequencies (line,), or (line, time) at the speeds of the times, forward positive. The
+        coordinate `mode` (line,) contains the names "1F", "suspension", "casing" and "Ω".
     """
-    speed = abs(float(dataset.attrs["speed"]))
-    rotor_shift, casing_shift = (0.0, -speed) if frame == "rotating" else (speed, 0.0)
+    speed = np.asarray(dataset.attrs["speed"] if times is None else speed_at(dataset, times))
+    speed, still = np.abs(speed), 0.0 * speed
+    rotor_shift, casing_shift = (still, -speed) if frame == "rotating" else (speed, still)
     names, values = [ORDER], [rotor_shift + casing_shift]
     waves = [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
     family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
     for name in (FIRST_FAMILY, SUSPENSION):
         modes = (family == name) & (diameter == 1)
-        if modes.any():
+        if modes.any() and times is None:
             backward, forward = (frequency[modes].min() for frequency in waves)
             names += [name] * 2
             values += [rotor_shift - backward, rotor_shift + forward]
@@ -88,7 +92,10 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
         names += ["casing"] * 2
         values += [casing_shift - wall.min(), casing_shift + wall.min()]
     return xr.DataArray(
-        values, dims="line", coords={"mode": ("line", names)}, attrs={"units": "rad/s"}
+        np.array(values),
+        dims=["line", "time"][: 1 + speed.ndim],
+        coords={"mode": ("line", names)},
+        attrs={"units": "rad/s"},
     )
 
 
@@ -252,7 +259,11 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     hertz, scale = _hertz(spectrogram["frequency"].values), (top, DECADES)
     draw_decades(axes, spectrogram["time"], hertz, amplitude, scale, label="amplitude [mm]")
     time_axis(axes)
-    _draw_lines(axes, spectrogram["modal_line"], partial(axes.axhline, xmin=0.0, xmax=0.15))
+    lines = spectrogram["modal_line"]
+    draw: Any = partial(axes.axhline, xmin=0.0, xmax=0.15)
+    if "time" in lines.dims:
+        draw = partial(axes.plot, spectrogram["time"].values)
+    _draw_lines(axes, lines, draw)
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     about = f"slices of {1e3 * spectrogram.attrs['slice']:.3g} ms, {_resolution(spectrogram)}"
     axes.set_xlabel(f"{axes.get_xlabel()}\n{about}")
@@ -269,7 +280,11 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
     """Draw the lines of modes and speed; the two lines of a mode have one entry in the legend."""
     named: set[str] = set()
     for value, mode in zip(lines.values, lines["mode"].values, strict=True):
-        name = f"−{mode}" if mode == ORDER and value < 0.0 else WITH_K.get(str(mode), str(mode))
+        name = (
+            f"−{mode}"
+            if mode == ORDER and np.all(value < 0.0)
+            else WITH_K.get(str(mode), str(mode))
+        )
         draw(
             _hertz(value),
             color=LINE_COLOURS[mode],

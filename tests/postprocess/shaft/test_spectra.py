@@ -91,6 +91,18 @@ class TestModalLines:
         assert seen["suspension"] == [-190.0, 190.0]
         assert sorted(static.values[static["mode"].values == "casing"]) == [-5.0, 5.0]
 
+    def test_over_time_they_follow_the_speed(self) -> None:
+        times = np.array([0.0, 0.005, 0.01])
+        result = synthetic.synthetic_result()
+        record = result["time"].values
+        speed = 80.0 + 1e3 * record
+        result["rotation_speed"] = ("time", speed)
+        result["rotation_angle"] = ("time", 80.0 * record + 500.0 * record**2)
+        lines = modal_lines(result, "rotating", times)
+        assert lines["mode"].values.tolist() == ["Ω", "casing", "casing"]
+        shifts = np.array([[0.0], [-5.0], [5.0]])
+        np.testing.assert_allclose(lines, shifts - [80.0, 85.0, 90.0])
+
     def test_coriolis_forces_part_them(self) -> None:
         result = synthetic.synthetic_result()
         result["rotor_forward_frequency"] = result["rotor_frequency"] - 90.0
