@@ -9,7 +9,7 @@ from PIL import Image
 from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.superelements.superelement import FIXED, Superelement
-from bladewhirl.postprocess.pictures.appearance import INK
+from bladewhirl.postprocess.pictures.appearance import FAINT, FONT, INK
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
 from bladewhirl.postprocess.pictures.solids import METAL, surface_of
@@ -24,7 +24,7 @@ COLOURS = {
 }
 """Colours of the groups, in the order of the key."""
 
-DOT = 9.0  #: diameter of nodes [rendered points]
+DOT = 20.0  #: diameter of nodes [rendered points]
 VIEW = (1.0, -1.3, 0.9)  #: direction towards the viewer, in the axes of the superelement
 
 
@@ -56,7 +56,7 @@ def draw_part(part: Superelement, path: str | Path) -> Path:
     places = {name: part.points[nodes] for name, nodes in part_groups(part).items()}
     places["contact"] = part.contact_position
     with off_screen_plotter(WINDOW) as plotter:
-        plotter.add_mesh(surface_of(part.points, part.triangles), color=METAL, show_edges=True)
+        plotter.add_mesh(surface_of(part.points, part.triangles), color=METAL, ambient=0.4, show_edges=True, edge_color=FAINT)
         for name, at in places.items():
             if len(at):
                 plotter.add_points(
@@ -71,10 +71,14 @@ def draw_part(part: Superelement, path: str | Path) -> Path:
             [[f"{name} z" if name == "axis" else name, COLOURS[name]] for name in shown],
             bcolor="white",
             face="circle",
-            size=(0.22, 0.04 * len(shown)),
+            size=(0.15, 0.03 * len(shown)),
             loc="upper left",
         )
-        plotter.add_text(part.name, position="upper_right", color=INK, font_size=14)
+        legend = plotter.legend.GetEntryTextProperty()
+        text = plotter.add_text(part.name, position="upper_edge", color=INK, font_size=16)
+        for letters in (legend, text.prop):
+            letters.SetFontFamily(4)  # that of a file
+            letters.SetFontFile(FONT)
         plotter.camera_position = [VIEW, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
         plotter.reset_camera()
         picture = pixels_of(plotter)
