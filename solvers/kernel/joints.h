@@ -36,7 +36,7 @@
 enum { JOINT_STEPS = 25, RELAXATIONS = 300, JOINT_ROUNDS = 8 };
 enum { TURNS = 200 };       /* solutions of joints and wall in turn */
 #define JOINT_ERROR 1e-12   /* error of a solution, relative to the displacements */
-#define SAME_FORCES 1e-12   /* relative change of the forces of the wall at which turns end */
+#define SAME_FORCES 1e-12   /* change of the forces of the wall at which turns end, relative to all */
 #define REGULAR 1e-9        /* change of the diagonal of the equations in a step of Newton's method */
 
 /* Add displacements of nodes in a direction to those of pairs. */

@@ -252,8 +252,9 @@ static int touch_wall(March *m, double later, const double *recess, int64_t *tou
     return 1;
 }
 
-/* Compute the contact at the wall and in the joints, in turn until the forces at the wall do not change.
- * The result is that of `touch_wall`. */
+/* Compute the contact at the wall and in the joints, in turn until the forces at the wall do not change
+ * relative to all forces: large forces of joints are rounded, and with them small ones at the wall. The
+ * result is that of `touch_wall`. */
 static int touch_all(March *m, int64_t step, const double *recess, int64_t *touching)
 {
     NodeScratch *s = &m->scratch->nodes;
@@ -282,6 +283,8 @@ static int touch_all(March *m, int64_t step, const double *recess, int64_t *touc
             change = larger(change, fabs(s->force.at[i] - j->wall.at[i]));
             largest = larger(largest, fabs(s->force.at[i]));
         }
+        for (int64_t i = 0; i < j->force.size; i++)
+            largest = larger(largest, fabs(j->force.at[i]));
     } while (change > SAME_FORCES * largest && ++turn < TURNS);
     for (int64_t i = 0; i < forces; i++)
         s->force.at[i] += j->on_nodes.at[i];
