@@ -18,6 +18,7 @@ from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.solvers.march.schema import SUMMARY
 
 MOSTLY = 0.5  #: share of the mean square of a line that describes the motion
+ROUNDING = 1e-15  #: smaller magnitudes in SI units are printed as zero
 
 
 def summary_rows(summary: Summary) -> dict[str, str]:
@@ -211,7 +212,7 @@ def _shown(summary: Summary, name: str) -> str:
 
 
 def _text(value: float | None, unit: str) -> str:
-    return "–" if value is None else handy(value, unit, 4)
+    return "–" if value is None else handy(value if abs(value) > ROUNDING else 0.0, unit, 4)
 
 
 def _energies(energy: EnergyHolders | None) -> dict[str, str]:
