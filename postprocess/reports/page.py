@@ -86,6 +86,7 @@ class Player(Block):
     """Maps: `label`, `top`, the value of the last shade, `shape` (time, row, column), `shades` and
     `colours` in base64."""
     times: Sequence[str]  #: text of each time
+    start: int  #: number of the time that is shown first
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -45,9 +45,18 @@ def player(data: xr.Dataset) -> Player:
                 "colours": _packed(np.round(255 * shades[:, :3])),
             }
         )
-    times = [f"to {handy(float(time), 's', 4)}" for time in data["time"].values]
+    axial = data["axial"].values
+    low, high = (handy(float(end), "m", 3) for end in (axial.min(), axial.max()))
+    tracks = (
+        f" Rows are the axial positions of contact nodes, {low} at the bottom to {high} at the top."
+    )
     return Player(
-        name="casing-film", title="Casing over time", caption=CAPTION, rows=rows, times=times
+        name="casing-film",
+        title="Casing over time",
+        caption=CAPTION + tracks * (len(axial) > 1),
+        rows=rows,
+        times=[f"to {handy(float(time), 's', 4)}" for time in data["time"].values],
+        start=int(np.argmax(data["force"].max(("axial", "sector")).values)),
     )
 
 

@@ -15,6 +15,8 @@ def test_shades_are_the_values(kind: Kind) -> None:
     data = unrolled(run_of(kind))
     block = player(data)
     assert len(block.times) == data.sizes["span"]
+    force = data["force"].fillna(0.0).values
+    assert force[block.start].max() == force.max()
     names = ["gap", "force", *(["wear"] if kind != "wheel" else [])]
     assert len(block.rows) == len(names)
     for name, row in zip(names, block.rows, strict=True):
