@@ -59,7 +59,7 @@ class Reduction(Table):
     free_interface_modes: Annotated[int, fields.count(1)] = 50
     """Number of free-interface modes of a superelement with a massless boundary. For a sector it is
     the number per sector: its wheel has this number times copies. With a wheel on a shaft line it
-    is the number of modes of the whole rotor."""
+    is the number of modes of the whole rotor; modes of the frequency of the last are kept too."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10), which is
     "1F:1,suspension:1,casing:1"; or names, FAMILY:k on the bladed disk and casing:FAMILY:k on the

@@ -153,6 +153,8 @@ def massless(
             displacements by the loads of the rotation at all speeds are added, see
             `further_modes.further`.
         forces: further forces, those of bearings, whose static displacements are added, (n, m).
+            With them, modes of the frequency of the last one are kept too: wheels on a shaft have
+            common groups of them.
 
     Raises:
         SuperelementError: `modes` is not below the number of coordinates, or is so large that a
@@ -160,8 +162,8 @@ def massless(
     """
     rows = part.contact_rows
     loads = load_columns(part, dense(rows).T)
-    own, loads = loads.shape[1], _with(loads, forces)
-    squares, shapes, moved = modes_and_static(part, modes, loads)
+    own, loads, groups = loads.shape[1], _with(loads, forces), forces is not None
+    squares, shapes, moved = modes_and_static(part, modes, loads, groups=groups)
     check_count(len(squares), modes)
     if free is not None:
         shapes, moved = free.within(part.mass, squares, shapes, moved, loads)
@@ -173,7 +175,7 @@ def massless(
     if others or loads.shape[1] > own:
         limit = stiffest(squares, rows @ shapes, compliance)
         first = 3 * part.contacts if others else own
-        fields = [moved[:, first:], *_at_speeds(others, modes)]
+        fields = [moved[:, first:], *_at_speeds(others, modes, groups=groups)]
         stiff, added = further(part.stiffness, part.mass, shapes, np.hstack(fields), limit)
         moved = moved - added @ (added.T @ loads / stiff[:, None])
         compliance = compliance - (rows @ added / stiff) @ (rows @ added).T
@@ -202,11 +204,12 @@ def _with(loads: FloatArray, forces: FloatArray | None) -> FloatArray:
     return loads if forces is None else np.hstack([loads, forces])
 
 
-def _at_speeds(others: Sequence[Superelement], modes: int) -> Iterator[FloatArray]:
+def _at_speeds(others: Sequence[Superelement], modes: int, *, groups: bool) -> Iterator[FloatArray]:
     """Yield the lowest modes of the first structure, a few modes of the others, and the static
     displacements by the loads of the rotation of all, (n, fields)."""
     for each in others:
-        yield from modes_and_static(each, max(modes, _few(each)), each.loads)[1:]
+        count = max(modes, _few(each))
+        yield from modes_and_static(each, count, each.loads, groups=groups)[1:]
         modes = 0
 
 
@@ -267,19 +270,22 @@ def consistent(
             f" {fixed_interface_modes}"
         )
         raise SuperelementError(Fault(expected=expected))
-    basis = np.zeros((part.size, len(boundary) + fixed_interface_modes))
+    groups, basis = forces is not None, np.zeros((part.size, len(boundary)))
     basis[boundary, np.arange(len(boundary))] = 1.0
     if len(inside):
         announce(part.size, fixed_interface_modes, len(boundary))
         rows = stiffness[inside]
         shift = 0.0 if forces is None else part.softening  # a shaft line is free without bearings
         pencil = _factorised(rows[:, inside], mass[inside][:, inside], shift)
-        basis[inside, : len(boundary)] = -pencil.solve(rows[:, boundary].toarray())
+        basis[inside] = -pencil.solve(rows[:, boundary].toarray())
         if fixed_interface_modes:
-            basis[inside, len(boundary) :] = pencil.lowest(fixed_interface_modes)[1]
-    if (others or forces is not None) and basis.shape[1] < part.size:
-        statics = modes_and_static(part, _few(part), _with(part.loads, forces))[1:]
-        fields = [basis, *statics, *_at_speeds(others, fixed_interface_modes)]
+            lowest = pencil.lowest_groups if groups else pencil.lowest
+            modes = lowest(fixed_interface_modes)[1]
+            basis = np.hstack([basis, np.zeros((part.size, modes.shape[1]))])
+            basis[inside, len(boundary) :] = modes
+    if (others or groups) and basis.shape[1] < part.size:
+        statics = modes_and_static(part, _few(part), _with(part.loads, forces), groups=groups)[1:]
+        fields = [basis, *statics, *_at_speeds(others, fixed_interface_modes, groups=groups)]
         basis = independent(mass, scaled(mass, np.hstack(fields)))
     squares, vectors = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
     _check_definite(part, squares)
@@ -408,10 +414,11 @@ def lowest_modes(part: Superelement, count: int) -> tuple[FloatArray, FloatArray
 
 
 def modes_and_static(
-    part: Superelement, count: int, loads: FloatArray
+    part: Superelement, count: int, loads: FloatArray, *, groups: bool = False
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the lowest modes, see `lowest_modes`, and the static displacements under columns of
-    loads, (n, m), without their part in these modes.
+    loads, (n, m), without their part in these modes; with `groups` all modes of the frequency of
+    the last one.
 
     Raises:
         SuperelementError: as for `lowest_modes`, or other motions than those of the modes have no
@@ -422,7 +429,7 @@ def modes_and_static(
         raise SuperelementError(Fault(expected=expected))
     announce(part.size, count, loads.shape[1])
     pencil = _factorised(part.stiffness, part.mass, small_shift(part))
-    squares, shapes = pencil.lowest(count)
+    squares, shapes = (pencil.lowest_groups if groups else pencil.lowest)(count)
     _check_definite(part, squares)
     try:
         return squares, shapes, pencil.static(loads, shapes)

@@ -63,6 +63,9 @@ SETTLED, STAGNANT = 1e-13, 1e-8
 """Static displacements have converged if a step changes them by at most the first fraction, or by
 at most the second one and no less than the step before, which is then a rounding error."""
 
+EQUAL = 1e-6
+"""Frequencies are equal if their squares with the shift differ by at most this fraction."""
+
 TINY = np.finfo(np.float64).tiny
 
 ACTIVITY, NOUN = "reducing the superelement", "solutions of the reduction"
@@ -176,6 +179,18 @@ class Pencil(ABC):
             row = block.conj().T @ inertia.all
             own = 0.5 * (row[:, known:] + row[:, known:].conj().T)
             projected = np.block([[projected, row[:, :known].conj().T], [row[:, :known], own]])
+
+    def lowest_groups(self, count: int) -> tuple[FloatArray, Any]:
+        """Return the lowest modes as `lowest` does, and all further ones of the frequency of the
+        last, in groups of up to `BLOCK`. Which part of a group a count would keep is arbitrary."""
+        asked = count
+        while True:
+            asked = min(asked + BLOCK, self.size)
+            squares, shapes = self.lowest(asked)
+            apart = np.diff(squares[count - 1 :]) > EQUAL * (squares[count:] + self.shift)
+            if apart.any() or len(squares) < asked or asked == self.size:
+                end = count + int(apart.argmax()) if apart.any() else len(squares)
+                return squares[:end], shapes[:, :end]
 
     def _orthonormal(self, block: Any, basis: Any, inertia: Any) -> tuple[Any, Any, Any]:
         """Return a block made orthonormal to a basis and in itself with respect to the mass, its

@@ -96,6 +96,14 @@ def test_equal_frequencies_are_all_found() -> None:
     assert squares == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.parametrize(("count", "whole"), [(1, 4), (4, 4), (5, 8), (38, 40)])
+def test_no_group_of_equal_frequencies_is_cut(count: int, whole: int) -> None:
+    pencil = MatrixPencil(np.diag(np.repeat(np.arange(1.0, 11.0), 4)), np.eye(40))
+    squares, shapes = pencil.lowest_groups(count)
+    assert squares == pytest.approx(np.repeat(np.arange(1.0, 11.0), 4)[:whole], rel=1e-8)
+    assert shapes.shape == (40, whole)
+
+
 def test_a_free_blade_has_six_rigid_modes_and_a_finite_residual_flexibility() -> None:
     mesh = cantilever("hexahedron20")
     free = steel(mesh, clamped=None, contacts=3)
