@@ -56,7 +56,13 @@ def draw_part(part: Superelement, path: str | Path) -> Path:
     places = {name: part.points[nodes] for name, nodes in part_groups(part).items()}
     places["contact"] = part.contact_position
     with off_screen_plotter(WINDOW) as plotter:
-        plotter.add_mesh(surface_of(part.points, part.triangles), color=METAL, ambient=0.4, show_edges=True, edge_color=FAINT)
+        plotter.add_mesh(
+            surface_of(part.points, part.triangles),
+            color=METAL,
+            ambient=0.4,
+            show_edges=True,
+            edge_color=FAINT,
+        )
         for name, at in places.items():
             if len(at):
                 plotter.add_points(
