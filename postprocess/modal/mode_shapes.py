@@ -173,6 +173,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         figure.add_subplot(rows, columns, mode + 1, projection=shape.projection)
         for mode in range(modes)
     ]
+    notes = dict.fromkeys(["Exaggerated."])
     for mode, axes in enumerate(panels):
         coordinates = np.eye(modes)[mode]
         drawn = shape.draw(axes, coordinates, coordinates)
@@ -184,8 +185,10 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         if share is not None:
             moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
             words.append(moves)
+            notes["Centre: % of the largest displacement."] = None
         if 0 <= k and purity < PURE:
             words.append(f"k = {k}: {100 * purity:.0f} %")
+            notes["k: % of the kinetic energy."] = None
         if f"{prefix}_direction" in data:
             words.append(str(row["rotor_direction"].values))
             words.append(f"static: {row['rotor_direction_static'].values}")
@@ -201,8 +204,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         ticks=[0.0, 0.5, 1.0],
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
-    note = "Exaggerated. Centre: % of the largest displacement. k: % of the kinetic energy."
-    complete(figure, data, f"Modes of {names[body]}; {_sense(data)}", note)
+    complete(figure, data, f"Modes of {names[body]}; {_sense(data)}", " ".join(notes))
     return figure
 
 
