@@ -121,7 +121,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         data[name].values for name in ("normalised_branch_frequency", "branch_spring_share")
     )
     lowest = max(0.7 * frequency[frequency > 0.0].min(), LOWEST)
-    axes, stiffness = _stiffness_axes(figure, data, lowest, 1.4 * frequency.max())
+    axes, stiffness, own = _stiffness_axes(figure, data, lowest, 1.4 * frequency.max())
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     look: dict[str, Any] = {"linewidth": 0.8, "zorder": 1}
     at_case: dict[str, Any] = {
@@ -129,7 +129,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         "linestyle": ":",
         "label": "the case, black names",
     }
-    axes.axvline(data.attrs["case_stiffness"], **at_case, **look)
+    axes.axvline(own, **at_case, **look)
     for branch, way in enumerate(ways):
         width = 0.7 if way == "forward" else 1.4
         lines = coloured_line(axes, stiffness, frequency[:, branch], share[:, branch], width)
@@ -145,7 +145,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
             axes.plot([], [], color=COLOURS["total"], linewidth=width, label=label)
     complete(figure, data, f"Modes with k = 1{_at_speed(data)}")
     labels = Labels(axes)
-    case = np.clip(data.attrs["case_stiffness"], stiffness[0], stiffness[-1])
+    case = np.clip(own, stiffness[0], stiffness[-1])
     near = np.argsort(np.abs(np.log(stiffness / case)), kind="stable")
     last = "", 0.0
     for branch in np.argsort(frequency[near[0]]):
@@ -171,10 +171,10 @@ def plot_critical_speeds(data: xr.Dataset) -> Figure:
     """
     figure = new_figure(width=COLUMN_WIDTH, height=0.09)
     low, high = float(data["critical_speed"].min()), float(data["critical_speed"].max())
-    axes, stiffness = _stiffness_axes(figure, data, 0.8 * low, 1.25 * high)
+    axes, stiffness, own = _stiffness_axes(figure, data, 0.8 * low, 1.25 * high)
     axes.set_ylabel("critical speed [rpm]")
     grey: Any = {"color": COLOURS["rest"], "linewidth": 0.8, "zorder": 1}
-    axes.axvline(data.attrs["case_stiffness"], label="stiffness and speed of the case", **grey)
+    axes.axvline(own, label="stiffness and speed of the case", **grey)
     if data.attrs["case_speed"] > 0.0:
         axes.axhline(data.attrs["case_speed"], **grey)
     for direction in data["direction"].values:
@@ -196,17 +196,18 @@ def plot_critical_speeds(data: xr.Dataset) -> Figure:
 
 def _stiffness_axes(
     figure: Figure, data: xr.Dataset, low: float, high: float
-) -> tuple[Axes, FloatArray]:
-    """Return logarithmic axes against the stiffness of the shaft, and the stiffness [N/m]."""
-    axes, stiffness = figure.subplots(), data["stiffness"].values
+) -> tuple[Axes, FloatArray, float]:
+    """Return logarithmic axes against the stiffness of the shaft, the stiffness, and that of the
+    case [MN/m]."""
+    axes, stiffness = figure.subplots(), 1e-6 * data["stiffness"].values
     axes.set(
         xscale="log",
         xlim=(stiffness[0], stiffness[-1]),
         yscale="log",
         ylim=(low, high),
-        xlabel="stiffness of each shaft spring [N/m]",
+        xlabel="stiffness of each shaft spring [MN/m]",
     )
-    return axes, stiffness
+    return axes, stiffness, 1e-6 * float(data.attrs["case_stiffness"])
 
 
 def _at_speed(data: xr.Dataset) -> str:

@@ -14,7 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.periodic.branch import key_label, parts_of, size_of
 from bladewhirl.postprocess.periodic.dataset import CASE_FILE
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import set_title
+from bladewhirl.postprocess.plotting.titles import key_words, set_title
 
 
 def backbone(branch: xr.Dataset, others: Sequence[xr.Dataset] = ()) -> xr.Dataset:
@@ -78,7 +78,8 @@ def differences(branches: Sequence[xr.Dataset]) -> list[str]:
     every = dict.fromkeys(key for table in tables for key in table if key != own)
     differ = [key for key in every if len({table.get(key) for table in tables}) > 1]
     return [
-        ", ".join(f"{key} = {table.get(key, 'none')}" for key in differ) or f"branch {number}"
+        ", ".join(f"{key_words(key)} = {table.get(key, 'none')}" for key in differ)
+        or f"branch {number}"
         for number, table in enumerate(tables, 1)
     ]
 
@@ -111,9 +112,11 @@ def plot_backbone(data: xr.Dataset) -> Figure:
         stable = one.assign(stable=one["stable"].astype(bool))
         colour = None
         for part, style in parts_of(stable, 1e3 * one["amplitude"].values):
-            label = str(one["label"].values) if colour is None else None
+            label = str(one["label"].values) if colour is None else "_"
             (line,) = axes.plot(one["parameter"].values, part, style, color=colour, label=label)
             colour = line.get_color()
+    if not data["stable"].fillna(1.0).all():
+        axes.plot([], [], "--", color=COLOURS["rest"], label="unstable")
     peaks = data["peak"].values, 1e3 * data["peak_amplitude"].values
     axes.plot(*peaks, "o-", color=COLOURS["k = 1"], markersize=4, label="peaks")
     axes.set(xlabel=key_label(data), ylabel="largest radial amplitude [mm]")

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import xarray as xr
 from matplotlib import rcParams
+from matplotlib.axes._secondary_axes import SecondaryAxis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
@@ -70,6 +71,7 @@ def retitle(figure: Figure, title: str) -> None:
     figure.set_figheight(figure.get_figheight() + LINE * (len(lines) - len(given)))
 
 
+LOGARITHMIC = ("log", "functionlog")  #: scales of axes, and of secondary axes
 LONGEST = 1e9  #: from this number on, ticks of logarithmic axes have an exponent
 
 
@@ -88,13 +90,15 @@ def plain_exponents(figure: Figure) -> None:
     """Give logarithmic axes the numbers of `PlainLog`; also between powers of ten if the axis has
     fewer than two of these."""
     for axes in [each for panel in figure.axes for each in (panel, *panel.child_axes)]:
+        if isinstance(axes, SecondaryAxis):
+            axes._set_lims()  # type: ignore[attr-defined]  # otherwise only when drawn
         for axis in (axes.xaxis, axes.yaxis):
             old = axis.get_major_formatter()
             if isinstance(old, LogFormatter):
                 thresholds = old._linthresh  # type: ignore[attr-defined]
                 axis.set_major_formatter(PlainLog(linthresh=thresholds))
                 low, high = np.log10(np.maximum(axis.get_view_interval(), SMALLEST))
-                few = np.floor(high) - np.ceil(low) < 1.0 and axis.get_scale() == "log"
+                few = np.floor(high) - np.ceil(low) < 1.0 and axis.get_scale() in LOGARITHMIC
                 if few:
                     axis.set_minor_locator(LogLocator(subs=BETWEEN))
                 between = PlainLog(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf))
@@ -132,5 +136,6 @@ def _width(line: str, size: float) -> float:
 
 
 def key_words(name: str) -> str:
-    """Return the name of a key as words: "march speed" for march.speed."""
-    return name.replace(".", " ").replace("_", " ")
+    """Return the name of a key as words: "casing clearance" for casing.clearance, and "speed" for
+    march.speed, as on all axes."""
+    return name.removeprefix("march.").replace(".", " ").replace("_", " ")

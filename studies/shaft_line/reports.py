@@ -62,7 +62,9 @@ def response(case: Case, *, speeds: Values) -> Study:
     if any(isinstance(load, EngineOrder) for load in case.excitations.values()):
         found.append(orders_of.report(orders_of.line_order_response(case, speeds=omegas)))
     if table.unbalance or not found:
-        found.insert(0, unbalance_of.report(unbalance_of.line_response(case, speeds=omegas)))
+        critical = speeds_of.line_critical_speeds(case)
+        computed = unbalance_of.line_response(case, speeds=omegas)
+        found.insert(0, unbalance_of.report(computed, critical))
     return joined(found)
 
 

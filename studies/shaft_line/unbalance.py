@@ -97,8 +97,9 @@ def stations(computed: xr.Dataset) -> FloatArray:
     return np.unique([*attrs["disk_position"], *attrs["bearing_position"]])
 
 
-def report(computed: xr.Dataset) -> Study:
-    """Return the document, the table of peaks at disks and bearings, and the figure."""
+def report(computed: xr.Dataset, critical: xr.Dataset) -> Study:
+    """Return the document, the table of peaks at disks and bearings, and the figure, in which the
+    speeds from `line_critical_speeds` are marked."""
     rows = []
     for place in stations(computed):
         own = computed.sel(position=place, method="nearest")
@@ -127,7 +128,7 @@ def report(computed: xr.Dataset) -> Study:
     def figures() -> Figures:
         from bladewhirl.postprocess.shaft_line.response import drawn_response, plot_line_response
 
-        data = drawn_response(computed, stations(computed))
+        data = drawn_response(computed, stations(computed), critical)
         return {"unbalance-response": (plot_line_response(data), data)}
 
     title = "Largest unbalance response at disks and bearings"

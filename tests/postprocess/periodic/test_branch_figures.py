@@ -90,8 +90,8 @@ def test_a_backbone_goes_through_the_peaks(tmp_path: Path) -> None:
     wide = stored(tmp_path / "two", "0.5 mm", 0.5)
     data = backbone(bw.open_branch(narrow), [bw.open_branch(wide)])
     assert data["label"].values.tolist() == [
-        "casing.clearance = 0.5 mm",
-        "casing.clearance = 0.4 mm",
+        "casing clearance = 0.5 mm",
+        "casing clearance = 0.4 mm",
     ]
     assert data["peak"].values == pytest.approx([7500.0, 7500.0])
     assert data["peak_amplitude"].values == pytest.approx([1e-3, 2e-3])

@@ -131,6 +131,6 @@ def test_the_report_names_points_with_an_uncertain_outcome(
         assert (
             "uncertain at 1 of 2 points, where the 95 % interval of the share of a regime" in words
         )
-        assert "includes one half: march speed = 1." in words
+        assert "includes one half: speed = 1." in words
     else:
         assert "The outcome is certain at every point: the 95 % interval" in words
