@@ -92,7 +92,7 @@ class Found(NamedTuple):
 
 def applies(case: Case) -> bool:
     """Return whether motions of a case are those of all blades of a tuned wheel."""
-    table = case.bladed_disk.superelement
+    table = None if case.shaft_line is not None else case.bladed_disk.superelement
     return bool(case.joint) or (table is not None and table.kind != "blade")
 
 
