@@ -212,7 +212,7 @@ def _expanded(
                 each = np.stack([(one * getattr(wave.block, name)).real for one in phases])
                 modes = each.shape[-1]
                 if name == "points":
-                    each = each.reshape(sectors, -1, 3, modes)
+                    each = each.reshape(sectors, each.shape[1] // 3, 3, modes)
                     each = rotate(each, spread[:, None, None], axis=2)
                 among, start = place[start : start + modes], start + modes
                 if turn is None:

@@ -214,7 +214,11 @@ class Whole:
     ("kind", "march"),
     [
         ("sector", {"speed": "900 rad/s"}),
-        ("wheel", {"speed_table": [[0.0, "800 rad/s"], [0.004, "900 rad/s"]]}),
+        pytest.param(
+            "wheel",
+            {"speed_table": [[0.0, "800 rad/s"], [0.004, "900 rad/s"]]},
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["constant", "varying"],
 )

@@ -137,7 +137,7 @@ def test_every_parameter_is_described() -> None:
 
 
 @pytest.mark.parametrize(
-    ("command", "text"), [("periodic", "With [[joint]] the"), ("mesh3d", "for [blade_loss]; or")]
+    ("command", "text"), [("periodic", "With [[joint]], and"), ("mesh3d", "for [blade_loss]; or")]
 )
 def test_help_keeps_names_of_tables(command: str, text: str) -> None:
     shown = RUNNER.invoke(app, [command, "--help"], env={"COLUMNS": "2000"}, terminal_width=2000)

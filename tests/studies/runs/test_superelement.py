@@ -29,7 +29,6 @@ from bladewhirl.models.superelements.superelement import dense
 from bladewhirl.postprocess.fields.kinematics import casing_rows, clearance_at
 from bladewhirl.postprocess.fields.nodes import displacement
 from bladewhirl.postprocess.pictures.drawing import Drawing
-from bladewhirl.postprocess.pictures.solids import METAL
 from bladewhirl.postprocess.run.contact_nodes import ring_motion, tip_orbits
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.runs.outputs import Run
@@ -284,8 +283,8 @@ def test_blades_wear_a_coating(file: Path, tmp_path: Path) -> None:
         removed = float((worn["recess"] * width).sum()) * arc
         assert removed == pytest.approx(summary["wear_volume"], rel=1e-2)  # the last record
         drawing = Drawing(result, np.array([result.sizes["time"] - 1]), colour="wear")
-        _, coating, *_ = drawing.picture(0).solids
-        assert [solid.colour for solid in drawing.solids[:2]] == [METAL, None]
+        _, _, coating, *_ = drawing.picture(0).solids
+        assert [solid.shows for solid in drawing.solids[:3]] == ["disk", None, "wall"]
         deepest = float(worn["recess"].max())
         assert np.nanmax(drawing.colouring.casing) == pytest.approx(deepest, rel=1e-12)
         assert 0.0 < np.nanmax(coating.values) <= deepest
