@@ -79,6 +79,7 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(folder: Path, tmp_path: Path)
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
 def test_a_moved_run_has_copies_of_the_files_of_all_wheels(tmp_path: Path) -> None:
     """Of the wheel, of another one and of the one that has lost a blade, beside the case file."""
     origin, moved, march = tmp_path / "origin", tmp_path / "moved", 'speed = "900 rad/s"'
