@@ -62,6 +62,11 @@ STIFF = Fault(
     expected="a matrix that is not indefinite, and no motion without stiffness except rigid ones",
 )
 
+ABOVE = 1.25
+"""Shift as a multiple of the softening of a wheel. The translations of a rotor without bearings
+have minus the softening as squared frequency; a shift that only just exceeds it makes them so much
+larger than other modes in the inverse that these are lost in rounding errors."""
+
 FEW = 8
 """Number of modes that are computed with static displacements alone; among them are all that the
 rotation of a wheel makes unstable."""
@@ -275,7 +280,8 @@ def consistent(
     if len(inside):
         announce(part.size, fixed_interface_modes, len(boundary))
         rows = stiffness[inside]
-        shift = 0.0 if forces is None else part.softening  # a shaft line is free without bearings
+        # A shaft line is free without bearings.
+        shift = 0.0 if forces is None else ABOVE * part.softening
         pencil = _factorised(rows[:, inside], mass[inside][:, inside], shift)
         basis[inside] = -pencil.solve(rows[:, boundary].toarray())
         if fixed_interface_modes:
@@ -456,7 +462,7 @@ def _check_definite(part: Superelement, squares: FloatArray) -> None:
 def small_shift(part: Superelement) -> float:
     """Return the shift of `solver` that allows rigid modes, and the softening of a wheel
     [rad2/s2]."""
-    return 1e3 * rigid_limit(part) + part.softening
+    return 1e3 * rigid_limit(part) + ABOVE * part.softening
 
 
 def rigid_limit(part: Superelement) -> float:

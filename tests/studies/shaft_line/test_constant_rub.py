@@ -161,15 +161,15 @@ def test_all_states_of_a_tilted_wheel_in_a_cone_are_those_of_the_unreduced_rotor
     hub = [column(HUB, way) for way in range(6)]
     for force in known:
         (same,) = (n for n in range(3) if ((found[n] > 0.0) == (force > 0.0)).all())
-        assert np.abs(found[same] - force).max() < 1e-7 * force.max()
+        assert np.abs(found[same] - force).max() < 1e-8 * force.max()
         state = document.isel(speed=same)
         x = moved @ np.append(1.0, force)
         for ways in (slice(0, 2), slice(3, 5)):  # displacements and tilt
             own, other = state["shaft_displacement"].values[HUB, ways], x[hub[ways]]
-            assert np.abs(own - other).max() < 1e-7 * np.abs(other).max()
+            assert np.abs(own - other).max() < 1e-8 * np.abs(other).max()
         place = {node: complex(*x[[column(node, 0), column(node, 1)]]) for node in (0, 2)}
         assert state["bearing_amplitude"].values == pytest.approx(
-            [abs(place[0]), abs(place[2])], rel=1e-7
+            [abs(place[0]), abs(place[2])], rel=1e-8
         )
 
 
@@ -290,6 +290,6 @@ def test_two_stable_states_at_one_speed(file: Path) -> None:
     assert [state.stable for state in states] == [True, True, False]
     for state, end in zip(states, (0, 1, 1), strict=True):
         begun = replace(state, rotor=1.001 * state.rotor)
-        chunk = marched(on(problem, begun), 0.1, 5000)
+        chunk = marched(on(problem, begun), 0.12, 5000)  # deviations fade by 51 1/s
         apart = np.abs(chunk.rotor_displacement[-1] - states[end].rotor).max()
         assert apart < 1e-4 * np.abs(states[end].rotor).max()
