@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, tip_rows
 from bladewhirl.postprocess.fields.lost_blades import masked
+from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.result import portions
 
 LARGE_DISPLACEMENT = 0.1
@@ -16,6 +17,12 @@ longer accurate."""
 WRONG_BY_A_TENTH = 1.0 / 3.0
 """Displacement of a tip, divided by the length of the blade, at which a linear model has an error
 of a tenth."""
+
+EQUAL = (
+    1e-6  #: two natural frequencies of a nodal diameter are a pair up to this relative difference
+)
+
+ANY = -1  #: nodal diameter of modes that every engine order excites
 
 
 def blade_length(dataset: xr.Dataset) -> float:
@@ -84,6 +91,33 @@ def diameter_shares(dataset: xr.Dataset) -> Array:
     waves, total = np.zeros((len(power), blades // 2 + 1)), power.sum(axis=1, keepdims=True)
     np.add.at(waves.T, aliased(np.arange(blades), blades), power.T)
     return np.asarray(np.divide(waves, total, out=np.zeros_like(waves), where=total > 0.0))
+
+
+def natural_modes(dataset: xr.Dataset) -> tuple[Array, IntArray]:
+    """Return natural frequencies without contact in rotating axes [Hz] and their nodal diameters,
+    (modes,) each, ascending, two of equal frequency and nodal diameter once.
+
+    With Coriolis forces the frequencies of beams are those of backward waves, which engine orders
+    up to half the number of blades excite. The diameter is the one with the largest share in the
+    motion of the tips; `ANY` for copies that do not influence each other, of which the modes of the
+    first are returned. The records of a shaft line are on modes without its bearings, so that it
+    has no natural frequencies here.
+    """
+    if has(dataset, "line"):
+        return np.zeros(0), np.zeros(0, dtype=np.int64)
+    waves = "rotor_backward_frequency"
+    frequency = np.abs(dataset[waves if waves in dataset else "rotor_frequency"].values)
+    copies = dataset.sizes["copy"]
+    diameter = np.full(len(frequency), ANY)
+    if copies == 1:
+        diameter = diameter_shares(dataset).argmax(axis=1)
+    frequency, diameter = frequency[: len(frequency) // copies], diameter[: len(diameter) // copies]
+    order = np.lexsort((frequency, diameter))
+    frequency, diameter = frequency[order] / (2.0 * np.pi), diameter[order]
+    apart = np.diff(frequency, prepend=-np.inf) > EQUAL * frequency
+    apart |= np.diff(diameter, prepend=ANY - 1) != 0
+    kept = np.flatnonzero(apart)[np.argsort(frequency[apart], kind="stable")]
+    return frequency[kept], diameter[kept]
 
 
 def aliased(order: IntArray, blades: int) -> IntArray:

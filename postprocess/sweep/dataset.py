@@ -45,7 +45,7 @@ LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
 DIRECTION = "direction"  #: name of the dimension of the directions of a contact node's displacement
 
 NATURAL_MODE = "natural"  #: name of the dimension of natural frequencies
-NATURAL = 8  #: number of natural frequencies that are stored
+NATURAL = 24  #: number of natural frequencies that are stored
 
 SECTIONS = 64
 """Largest number of points of the Poincaré map, and of local maxima of the displacement, that are

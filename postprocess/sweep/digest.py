@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
-from bladewhirl.postprocess.fields.by_blade import of_blades
+from bladewhirl.postprocess.fields.by_blade import natural_modes, of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import late_part
@@ -64,6 +64,7 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "contact_force_max": largest_force(dataset)["force"],
         "stress_max": _blade_stress(dataset),
         **wear_numbers(dataset),
+        **_natural_modes(dataset),
         "window_start": time[first],
         "energy_mean": groups[first:].mean(axis=0),
         "energy_max": groups.max(axis=0),
@@ -83,6 +84,15 @@ def _blade_stress(dataset: xr.Dataset) -> float:
         return np.nan
     peaks = stresses["peak_stress"]
     return float(np.abs(peaks[peaks["member"].str.startswith("blade ")]).max())
+
+
+def _natural_modes(dataset: xr.Dataset) -> dict[str, Array]:
+    """Return the lowest natural frequencies [Hz] and their nodal diameters."""
+    frequency, diameter = natural_modes(dataset)
+    return {
+        "natural_frequency": padded(frequency[:NATURAL], NATURAL),
+        "natural_diameter": padded(diameter[:NATURAL].astype(np.float64), NATURAL),
+    }
 
 
 def _shaft(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) -> dict[str, Any]:
@@ -144,8 +154,6 @@ def _nodes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) ->
     spectrum = 2.0 * magnitudes(
         swing.astype(complex), float(dataset.attrs["record_step"]), layout.frequency
     )
-    copies = dataset.sizes["copy"]
-    natural = dataset["rotor_frequency"].values.reshape(copies, -1)[0] / (2.0 * np.pi)
     casing = np.nan
     if has(dataset, "casing"):
         casing = abs(casing_peaks(dataset)["radial"]["displacement"])
@@ -153,7 +161,6 @@ def _nodes(dataset: xr.Dataset, layout: Layout, first: int, starts: IntArray) ->
         "displacement_max": np.abs(moved).max(),
         "late_displacement": np.abs(late).max(axis=(0, 1)),
         "casing_displacement_max": casing,
-        "natural_frequency": padded(np.sort(natural)[:NATURAL], NATURAL),
         "contact_spectrum": np.where(layout.frequency == 0.0, 0.5 * spectrum, spectrum),
         "radial_history": padded(np.maximum.reduceat(radial, starts), layout.samples),
     }

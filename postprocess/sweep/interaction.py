@@ -1,6 +1,7 @@
 """Interaction map of a sweep: force, stress and wear over two swept keys, with the speeds at which
 engine orders excite natural frequencies."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,23 +11,20 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
-from bladewhirl.postprocess.fields.by_blade import aliased
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.plotting.axes import Labels
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.sweep import drawing
 from bladewhirl.postprocess.sweep.dataset import swept
+from bladewhirl.postprocess.sweep.drawing import edges_of
 from bladewhirl.postprocess.sweep.maps import draw_cells
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order, need_a_grid
+from bladewhirl.postprocess.sweep.resonances import NATURAL_MODES, resonances
 
-MOST_ORDER = 8  #: highest engine order whose resonances are drawn
-MOST_MODES = 3  #: largest number of natural frequencies of a superelement, the lowest ones
-MODES = ("1F k=1", "2F k=1")
-"""Modes of blades of beams by their names in a sweep; superelements have natural frequencies."""
+ORDERS = range(1, 9)  #: engine orders whose resonances are drawn
+LINES: Mapping[str, Any] = {"color": style.COLOURS["total"], "linestyle": ":", "linewidth": 0.9}
 
 
 class Quantity(NamedTuple):
@@ -55,9 +53,8 @@ def interaction(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
     Returns:
         Dataset over (line, vertical key, key): `contact_force_max` [N], `stress_max` [Pa],
-        `wear_volume` [m3], as far as points have them. If the key is the speed, over resonance:
-        `resonance_at`, the value of the key at which an engine order, `resonance_order`, has the
-        natural frequency `resonance_frequency` [Hz] without contact, mean over the other keys.
+        `wear_volume` [m3], as far as points have them. If the key is the speed, over resonance the
+        variables of `resonances`, with the place along the vertical axis as `resonance_across`.
 
     Raises:
         ViewError: only one key is swept, no point is finished, or there is a table of points.
@@ -67,56 +64,17 @@ def interaction(dataset: xr.Dataset, key: str) -> xr.Dataset:
     if not others:
         raise ViewError("an interaction map needs two swept keys, but this sweep has only one")
     across, *lines = others
-    modes = "natural_frequency" if has(dataset, "nodes") else "mode_frequency"
-    data = in_order(dataset, [*(set(QUANTITIES) & set(dataset)), modes, "rotation_speed"])
+    chosen = [*(set(QUANTITIES) & set(dataset)), *NATURAL_MODES, "rotation_speed"]
+    data = as_lines(in_order(dataset, chosen), lines)
+    orders = ORDERS if key == "march_speed" else ()
+    met = resonances(data, key, dataset.sizes["blade"], orders)
     shown = [name for name in QUANTITIES if name in data and np.isfinite(data[name]).any()]
-    chosen = {"mode": list(MODES)} if modes == "mode_frequency" else {}
-    frequency = data[modes].sel(chosen)[..., :MOST_MODES]
-    speed, mean = (
-        each.mean(others).transpose(key, ...).values for each in (data["rotation_speed"], frequency)
-    )
-    orders = np.arange(1, MOST_ORDER + 1)
-    excited = np.full((len(orders), mean.shape[1]), True)
-    if chosen:
-        diameter = [int(name.rpartition("=")[2]) for name in MODES]
-        excited = aliased(orders, dataset.sizes["blade"])[:, None] == diameter
-    at, order, hertz = _resonances(data[key].values, speed, mean, excited).T
-    if key != "march_speed":
-        at, order, hertz = at[:0], order[:0], hertz[:0]
     return (
-        as_lines(data[[*shown, "state"]], lines)
+        data[[*shown, "state"]]
         .transpose(LINE, across, key)
         .assign_attrs(title="interaction map", along=key, across=across)
-        .assign(
-            resonance_at=("resonance", at),
-            resonance_order=("resonance", order.astype(np.int64)),
-            resonance_frequency=("resonance", hertz, {"units": "Hz"}),
-        )
+        .assign(met.rename({f"resonance_{across}": "resonance_across"}))
     )
-
-
-def _resonances(key: Array, speed: Array, frequency: Array, excited: BoolArray) -> Array:
-    """Return the value of the key, the order and the frequency [Hz] where an engine order meets a
-    natural frequency between two points, (resonance, 3).
-
-    Args:
-        key: values of the swept key (point,).
-        speed: speeds (point,) [rad/s].
-        frequency: natural frequencies (point, mode) [Hz].
-        excited: whether each order from 1 on excites each mode (order, mode).
-    """
-    found: list[tuple[float, int, float]] = []
-    for order, meant in enumerate(excited, 1):
-        apart = order * np.abs(speed)[:, None] / (2 * np.pi) - frequency
-        for left, mode in np.argwhere(((apart[:-1] <= 0.0) != (apart[1:] <= 0.0)) & meant):
-            here, there = apart[left : left + 2, mode]
-            share = here / (here - there)
-            at, hertz = (
-                (1.0 - share) * each[left] + share * each[left + 1]
-                for each in (key, frequency[:, mode])
-            )
-            found.append((at, order, hertz))
-    return np.array(found).reshape(-1, 3)
 
 
 @style.styled
@@ -146,23 +104,32 @@ def plot_interaction(data: xr.Dataset) -> Figure:
     entries = [(Patch(facecolor="white", edgecolor="#777777"), "white: none")]
     note = ""
     if given.sizes["resonance"]:
-        note = "Dotted lines: engine orders at natural frequencies without contact."
+        note = "Dotted: engine orders at frequencies of the nodal diameter that they excite."
     drawing.title_figure(figure, data, Group(entries, note), most=drawing.MOST_ROWS)
     factor = float(data[along].values[-1] / given[along].values[-1]) if given.sizes[along] else 1.0
-    for axes in rows.ravel():
-        _draw_resonances(axes, given, factor)
+    for number, panels in zip(shown, rows, strict=True):
+        here = given.isel(resonance=given["resonance_line"].values == number)
+        for axes in panels:
+            _draw_resonances(axes, here, edges_of(data[str(data.attrs["across"])].values), factor)
     return figure
 
 
-def _draw_resonances(axes: Axes, given: xr.Dataset, factor: float) -> None:
-    """Draw the speeds at which engine orders meet natural frequencies, with their orders where
-    there is space; `factor` is that from the unit of the key to that of the axis."""
+def _draw_resonances(axes: Axes, given: xr.Dataset, edges: Array, factor: float) -> None:
+    """Draw the speeds at which engine orders meet natural frequencies within each row of cells,
+    with their orders where there is space.
+
+    Args:
+        axes: the panel.
+        given: resonances of the panel.
+        edges: borders of the rows.
+        factor: from the unit of the key to that of the axis.
+    """
     places, orders = factor * given["resonance_at"].values, given["resonance_order"].values
-    for place in places:
-        axes.axvline(place, color="white", linewidth=1.8, alpha=0.7)
-        axes.axvline(place, color=style.COLOURS["total"], linestyle=":", linewidth=0.9)
     if not len(places):
         return
-    labels, top = Labels(axes), axes.get_ylim()[1]
-    for order, place in sorted(zip(orders.tolist(), places.tolist(), strict=True)):
-        labels.add(place, top, f"{order}Ω", style.COLOURS["total"], [(0, -2)])
+    row = given["resonance_across"].values
+    for look in ({"color": "white", "linewidth": 1.8, "alpha": 0.7}, LINES):
+        axes.vlines(places, edges[row], edges[row + 1], **look)
+    labels, top = Labels(axes), row == row.max()
+    for order, place in sorted(zip(orders[top].tolist(), places[top].tolist(), strict=True)):
+        labels.add(place, edges[-1], f"{order}Ω", style.COLOURS["total"], [(0, -2)])

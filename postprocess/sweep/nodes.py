@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,7 +17,8 @@ from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades
 from bladewhirl.postprocess.plotting.style import OUTLINE, styled
 from bladewhirl.postprocess.sweep.dataset import DIRECTION
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_edges, plot_quantities
-from bladewhirl.postprocess.sweep.quantities import along, need_a_grid
+from bladewhirl.postprocess.sweep.quantities import LINE, along, need_a_grid
+from bladewhirl.postprocess.sweep.resonances import NATURAL_MODES, excited, resonances
 from bladewhirl.postprocess.sweep.rows import plot_rows
 
 DECADES = 3  #: number of decades below the largest amplitude in a map
@@ -68,15 +70,16 @@ def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
     Returns:
         Dataset over (line, key), see `quantities.along`: `contact_spectrum` [m] over
-        `frequency` [Hz], which is not negative,
-        `natural_frequency` [Hz] and `rotation_speed` [rad/s].
+        `frequency` [Hz], which is not negative, `natural_frequency` [Hz] and its
+        `natural_diameter`, and `rotation_speed` [rad/s]; over resonance the variables of
+        `resonances`.
 
     Raises:
         ViewError: no point is finished, the sweep is over a table of points, or the marches have
             too few records.
     """
     need_a_grid(dataset)
-    data = along(dataset, key, ["contact_spectrum", "natural_frequency", "rotation_speed"])
+    data = along(dataset, key, ["contact_spectrum", *NATURAL_MODES, "rotation_speed"])
     data = data.isel(frequency=data["frequency"].values >= 0.0)
     frequency, amplitude = data["frequency"].values, data["contact_spectrum"].values
     if not np.isfinite(amplitude).any():
@@ -84,23 +87,41 @@ def node_spectra(dataset: xr.Dataset, key: str) -> xr.Dataset:
     seen = (amplitude >= VISIBLE * np.nanmax(amplitude)).any(axis=(0, 1))
     inside = frequency <= ABOVE * frequency[seen].max(initial=0.0)
     resolution = float(np.diff(frequency[:2]).sum())
-    return data.isel(frequency=inside).assign_attrs(
-        title=f"spectra of the tangential displacement, resolution {resolution:.3g} Hz; dotted:"
-        " engine orders, dashed: natural frequencies",
-        window=dataset.attrs["window"],
+    return (
+        data.isel(frequency=inside)
+        .assign(resonances(data, key, dataset.sizes["blade"], ORDERS))
+        .assign_attrs(
+            title=f"spectra of the tangential displacement, resolution {resolution:.3g} Hz",
+            blades=dataset.sizes["blade"],
+            window=dataset.attrs["window"],
+        )
     )
 
 
 @styled
 def plot_node_spectra(data: xr.Dataset) -> Figure:
     """Draw the amplitude against the swept key and the frequency from `node_spectra`; dotted lines
-    are engine orders, dashed lines natural frequencies."""
+    are engine orders, dashed lines natural frequencies of the nodal diameters that they excite,
+    circles are where the two meet."""
     largest = float(data["contact_spectrum"].max().fillna(0.0))
     unit, scale = handy_unit(largest, "m")
-    units = in_handy_units(data)["frequency"].attrs["units"]
+    handy, key = in_handy_units(data), str(data.attrs["along"])
+    units = handy["frequency"].attrs["units"]
+    hertz = 1e-3 if units == "kHz" else 1.0
+    to_axis = float(handy[key].values[-1] / data[key].values[-1])
+    drawn = {
+        "natural_frequency": hertz * data["natural_frequency"],
+        "turns": hertz * np.abs(data["rotation_speed"]) / (2.0 * np.pi),
+        "resonance_at": to_axis * data["resonance_at"],
+        "resonance_frequency": hertz * data["resonance_frequency"],
+        "number": (LINE, np.arange(data.sizes[LINE])),
+    }
     draw = partial(_draw_spectra, scale=scale, top=scale * largest or 1.0)
     return plot_rows(
-        data, [draw], label=f"tangential amplitude [{unit}]", left=f"frequency [{units}]"
+        data.assign(drawn),
+        [draw],
+        label=f"tangential amplitude [{unit}]",
+        left=f"frequency [{units}]",
     )
 
 
@@ -110,10 +131,15 @@ def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> Quad
     amplitude = scale * one["contact_spectrum"].values.T
     picture = draw_decades(axes, key_edges(one), heights, amplitude, (top, DECADES))
     axes.set_ylim(0.0, float(heights[-1]))
-    hertz = 1e-3 if one["frequency"].attrs["units"] == "kHz" else 1.0
-    turning = hertz * np.abs(one["rotation_speed"].values) / (2.0 * np.pi)
+    look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "path_effects": OUTLINE}
     for order in ORDERS:
-        axes.plot(place, order * turning, ":", color="black", linewidth=0.6, path_effects=OUTLINE)
-    for natural in one["natural_frequency"].values.T:
-        axes.plot(place, hertz * natural, "--", color="black", linewidth=0.6, path_effects=OUTLINE)
+        axes.plot(place, order * one["turns"].values, ":", label="engine orders", **look)
+    frequency, diameter = (one[name].values for name in NATURAL_MODES)
+    lines = excited(frequency, diameter, int(one.attrs["blades"]), ORDERS)
+    for line in lines[:, np.isfinite(lines).any(axis=0)].T:
+        axes.plot(place, line, "--", label="natural frequencies without contact", **look)
+    met = one.isel(resonance=one["resonance_line"].values == int(one["number"]))
+    ring: dict[str, Any] = look | {"markersize": 4, "markerfacecolor": "none"}
+    names = "resonance_at", "resonance_frequency"
+    axes.plot(*(met[name].values for name in names), "o", label="order and diameter meet", **ring)
     return picture

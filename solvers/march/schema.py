@@ -20,7 +20,7 @@ RESULT_FORMAT = 15
 the column "since". Results before format 10, and before format 15 of 3D blades at a varying speed,
 whose motion lacked a load, are refused."""
 
-SWEEP_FORMAT = 9
+SWEEP_FORMAT = 10
 """Current format of sweep.nc. A file of an older format lacks variables with a higher number in the
 column "since"; formats 1 and 2 do not store swept values in the unit in which they were given. A
 sweep of an older format can be read but not resumed, that of a superelement before format 8 cannot

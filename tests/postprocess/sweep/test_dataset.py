@@ -11,7 +11,6 @@ from synthetic_result import synthetic_result
 from synthetic_sweep import LAYOUT, REPORT
 
 import bladewhirl as bw
-from bladewhirl.postprocess.sweep.digest import _nodes as digest_of_nodes
 from bladewhirl.postprocess.sweep.digest import digest, magnitudes
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import along
@@ -123,21 +122,3 @@ def test_it_is_the_sum_that_defines_it_at_any_frequency_and_length() -> None:
 
 def test_too_few_records_have_no_spectrum() -> None:
     assert np.isnan(magnitudes(np.ones(3, dtype=complex), STEP, FREQUENCY)).all()
-
-
-def test_natural_frequencies_of_contact_nodes_are_in_hertz() -> None:
-    """Those of the first of two copies, in ascending order."""
-    moved = np.zeros((400, 2, 3))
-    moved[:, 0, 1] = np.sin(2.0 * np.pi * 50.0 * 1e-4 * np.arange(400))
-    result = xr.Dataset(
-        {
-            "contact_displacement": (("time", "contact_node", "direction"), moved),
-            "rotor_frequency": ("rotor_mode", 2.0 * np.pi * np.array([80.0, 30.0, 81.0, 31.0])),
-            "copied": ("copy", [0, 1]),
-        },
-        {"time": 1e-4 * np.arange(400)},
-        {"record_step": 1e-4},
-    )
-    found = digest_of_nodes(result, LAYOUT, 0, np.array([0]))
-    assert found["natural_frequency"][:2] == pytest.approx([30.0, 80.0])
-    assert found["displacement_max"] == pytest.approx(1.0)

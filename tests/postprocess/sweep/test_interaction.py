@@ -77,8 +77,9 @@ def test_resonances_are_where_an_order_meets_a_frequency(folder: Path) -> None:
         data = SweepFigures(sweep).draw("interaction")[1]
     frequency = 75.0 / (2 * np.pi)  # of the first blade family
     np.testing.assert_allclose(data["resonance_frequency"], frequency)
-    assert data["resonance_order"].values.tolist() == [1]
-    np.testing.assert_allclose(data["resonance_at"], [75.0])
+    assert data["resonance_order"].values.tolist() == [1, 1]  # for each clearance
+    assert data["resonance_across"].values.tolist() == [0, 1]
+    np.testing.assert_allclose(data["resonance_at"], 75.0)
 
 
 def test_a_sweep_over_one_key_has_no_map(tmp_path: Path) -> None:
