@@ -37,6 +37,7 @@ LIMITS: Mapping[str, tuple[int, ...]] = {
 """Linear limits, with the directions of the joint that do not move: normal, two tangents."""
 
 RIGID = 1e-8  #: a flexibility up to this fraction of that by the modes is a rounding error
+ROUNDING = 1e-13  #: of the largest flexibility of a motion of the bladed disk
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ class Ties:
         rigid, soft = _parted(rows @ answers, by_modes, squares)
         free = la.null_space(rigid.T @ by_modes)
         pushing = soft @ (soft.T @ by_modes)
-        squares, modes = la.eigh(free.T @ (np.diag(squares) + by_modes.T @ pushing) @ free)
+        squares, modes = _stiffened((free.T * squares) @ free, soft.T @ by_modes @ free)
         modes = free @ modes
         contact = np.pad(shapes, ((0, 0), (0, every - own))) - answers @ pushing
         forces, static = dict[int, ComplexArray](), dict[int, ComplexArray]()
@@ -123,11 +124,39 @@ def _parted(
         by_modes: values by modal coordinates [kg^-1/2], (values, modes).
         squares: squared frequencies of the modes [rad2/s2], (modes,).
     """
-    lowest = squares[squares > 0.0].min(initial=np.inf)
-    whole = flexible + (by_modes / (squares + lowest)) @ by_modes.T
+    whole = flexible + (by_modes / (squares + _lowest(squares))) @ by_modes.T
     part, every = la.eigh(flexible, whole)
     stiff = part < RIGID
     return every[:, stiff], every[:, ~stiff] / np.sqrt(part[~stiff])
+
+
+def _lowest(squares: FloatArray) -> float:
+    """Return the lowest squared frequency of a motion that is not free [rad2/s2]."""
+    return float(squares[squares > RIGID * squares.max()].min())
+
+
+def _stiffened(stiffness: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return squared frequencies and modes of unit mass with the stiffness K + rows^T rows.
+
+    The second part is larger than K by so much that rounding would reach the lowest frequencies:
+    motions along it are measured in other units, and the largest flexibilities are looked for.
+    Motions that are stiffer than rounding shows are left out.
+
+    Args:
+        stiffness: K of unit masses [rad2/s2], (motions, motions).
+        rows: [rad/s], (combinations, motions).
+    """
+    largest, shift = np.linalg.norm(stiffness, 2), _lowest(la.eigvalsh(stiffness))
+    size, axes = la.svd(rows)[1:]
+    scale = np.ones(len(axes))
+    scale[: len(size)] = np.sqrt(largest) / np.maximum(size, np.sqrt(largest))
+    motions = axes.T * scale
+    total = motions.T @ (stiffness + shift * np.eye(len(scale))) @ motions
+    total[np.diag_indices(len(size))] += (size * scale[: len(size)]) ** 2
+    flexible, modes = la.eigh(np.diag(scale**2), total)
+    kept = np.flatnonzero(flexible > ROUNDING * flexible[-1])[::-1]
+    modes = motions @ modes[:, kept] / np.sqrt(flexible[kept])
+    return 1.0 / flexible[kept] - shift, modes
 
 
 def _with_modes(rotor: ReducedRotor, squares: FloatArray, contact: FloatArray) -> ReducedRotor:
