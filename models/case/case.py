@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from bladewhirl.models.case.check import UNKNOWN_KEY, faults_of
-from bladewhirl.models.case.joint_faults import joint_faults
+from bladewhirl.models.case.joint_faults import joint_faults, ring_faults
 from bladewhirl.models.case.sensors import sensor_faults
 from bladewhirl.models.case.shaft_line import beside_line
 from bladewhirl.models.case.superelement import SOURCE
@@ -61,6 +61,9 @@ class Case(Tables):
         yield from sensor_faults(self.sensor, self.blades)
         if self.superelement is None:
             yield from broken("Case of beams", self)
+            if self.joint and self.sketch is None and self.bladed_disk.shrouds:
+                yield from ring_faults(self.joint, self.bladed_disk)
+                yield from broken("Case of beams with joints", self)
         else:
             yield from joint_faults(self.joint, self.superelement)
             yield from broken("Case of a superelement", self.superelement, self)

@@ -81,6 +81,10 @@ class Joint(ReplacedKeys):
     right: Annotated[tuple[int, ...], BeforeValidator(_nodes)] = ()
     """Contact nodes on the counter-clockwise side of a blade, each of which touches the node of
     `left` at the same place of the list on the next blade; by default joint_right of the file."""
+    ring: Annotated[int, fields.count(0)] | None = Field(default=None, examples=["0"])
+    """Of beams: the row of bladed_disk.shrouds that this joint cuts halfway between all blades, so
+    that the ends of its parts touch each other; by default the first one. Each part has half of the
+    elements of the row, rounded up."""
     angle: fields.Angle = 0.0
     """Angle of the normal of the joint from the tangential towards the axial direction [rad]."""
     normal: Annotated[tuple[float, float, float], BeforeValidator(_vector)] | None = Field(
@@ -112,6 +116,11 @@ class Joint(ReplacedKeys):
     def direction(self) -> tuple[float, float, float]:
         """Unit normal: radial, tangential and axial component."""
         return self.normal or (0.0, math.cos(self.angle), math.sin(self.angle))
+
+    @property
+    def cut_ring(self) -> int:
+        """Row of bladed_disk.shrouds that the joint of beams cuts."""
+        return self.ring or 0
 
     @property
     def pressing(self) -> list[str]:

@@ -59,7 +59,8 @@ class Tables(ReplacedKeys):
     """Sensors, whose signals a run writes to sensors.nc and NAME.csv, each a table [[sensor]]."""
 
     joint: JointRows = ()
-    """Friction joints between neighbouring blades of a superelement, each a table [[joint]]."""
+    """Friction joints between neighbouring blades, of a superelement or of beams with shrouds, each
+    a table [[joint]]."""
 
     @model_validator(mode="before")
     @classmethod

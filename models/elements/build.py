@@ -49,7 +49,8 @@ def case_beam_model(case: Case) -> BeamModel:
     elif case.sketch is not None:
         model = build_sketch(case.sketch)
     else:
-        model = bladed_disk_sketch(case.bladed_disk, case.material).build()
+        rings = [joint.cut_ring for joint in case.joint]
+        model = bladed_disk_sketch(case.bladed_disk, case.material, rings).build()
     smallest_gap = case.casing.clearance_profile.smallest + model.tip_recess
     tight = int(smallest_gap.argmin())
     if smallest_gap[tight] < 0.0:

@@ -1,5 +1,6 @@
 """A bladed disk of beams as a superelement."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -9,6 +10,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.models.elements.bladed_disk import (
     COMPONENTS,
+    FIRST,
     ROTATION,
     BeamMatrices,
     BladedDiskModel,
@@ -19,32 +21,35 @@ from bladewhirl.models.superelements.superelement import FIXED, Superelement, Su
 BLADES = "blades"  #: name of the lines of the blades
 
 
-def wheel_superelement(disk: BladedDiskModel, name: str) -> Superelement:
+def wheel_superelement(
+    disk: BladedDiskModel, name: str, further: Sequence[IntArray] = ()
+) -> Superelement:
     """Return the full finite element model of a bladed disk as a wheel, without the springs of the
     shaft.
 
-    Coordinates are the free degrees of freedom of the beams; at the tips, x and y displacements
-    replace the radial and tangential ones. Points are all nodes. The matrices are those at rest;
-    with rotation effects, the superelement also has
-    stiffness_speed, gyroscopic and the loads of the rotation.
+    Coordinates are the free degrees of freedom of the beams; at contact nodes, x and y
+    displacements replace the radial and tangential ones. Points are all nodes. The matrices are
+    those at rest; with rotation effects, the superelement also has stiffness_speed, gyroscopic and
+    the loads of the rotation.
 
     Args:
         disk: finite element model.
         name: name of the superelement.
+        further: nodes, one of each blade, that are contact nodes besides the tips, (blades,) each.
     """
+    nodes = np.column_stack([disk.model.tips, *further]).ravel()  # blade by blade
     structure, size = disk.structure.still, disk.structure.size
     structure = replace(structure, stiffness=structure.stiffness - structure.springs)
-    turn = to_cartesian_tips(disk)
+    turn = to_cartesian(disk, nodes)
     matrices = structure.projected(turn, (*Rotating.FORMS, *Rotating.LOADS))
-    tips = len(disk.tip_radial)
-    axial = np.full(tips, FIXED)
+    in_plane = structure.node_dofs[nodes, FIRST:ROTATION]
     motion = disk.cartesian(turn.toarray())
     motion[:, 2] = 0.0  # displacements along z, in place of rotations
     flat = disk.mesh.points
     return Superelement(
         **matrices,
-        contact_position=np.pad(flat[disk.model.tips], ((0, 0), (0, 1))),
-        contact_dofs=np.column_stack([disk.tip_radial, disk.tip_tangential, axial]),
+        contact_position=np.pad(flat[nodes], ((0, 0), (0, 1))),
+        contact_dofs=np.pad(in_plane, ((0, 0), (0, 1)), constant_values=FIXED),
         centre_dofs=disk.centre if len(disk.centre) else None,
         points=np.pad(flat, ((0, 0), (0, 1))),
         recovery=sp.csr_array(motion.reshape(3 * len(flat), size)),
@@ -53,13 +58,15 @@ def wheel_superelement(disk: BladedDiskModel, name: str) -> Superelement:
     )
 
 
-def to_cartesian_tips(disk: BladedDiskModel) -> sp.csr_array:
+def to_cartesian(disk: BladedDiskModel, nodes: IntArray) -> sp.csr_array:
     """Return the matrix from the coordinates of `wheel_superelement`, in which the displacements of
-    the tips are along x and y, to the free degrees of freedom, (size, size)."""
+    contact nodes are along x and y, to the free degrees of freedom, (size, size)."""
     turn: FloatArray = np.zeros((disk.structure.size, disk.structure.size))
     np.fill_diagonal(turn, 1.0)
-    c, s = np.cos(disk.tip_angles), np.sin(disk.tip_angles)
-    first, second = disk.tip_radial, disk.tip_tangential
+    x, y = disk.mesh.points[nodes].T
+    angle = np.mod(np.arctan2(y, x), 2.0 * np.pi)
+    c, s = np.cos(angle), np.sin(angle)
+    first, second = disk.structure.node_dofs[nodes, FIRST:ROTATION].T
     turn[first, first], turn[first, second] = c, s
     turn[second, first], turn[second, second] = -s, c
     return sp.csr_array(turn)

@@ -1,6 +1,6 @@
 """Sketch of the standard bladed disk, which is described by the `[bladed_disk]` table."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +21,18 @@ BETWEEN = np.arange(1, 8) / 8.0
 """Positions along a curved part or an arc, from 0 to 1, at which it is sampled."""
 
 
-def bladed_disk_sketch(given: BladedDisk, material: Material) -> Sketch:
+ENDS = ("left", "right")
+"""Ends of the part of a ring on a blade: on its clockwise and its counter-clockwise side."""
+
+
+def ring_end(ring: int, side: str) -> str:
+    """Return the name of the set of the ends on one side of a ring that joints cut."""
+    return f"shroud {ring} {side}"
+
+
+def bladed_disk_sketch(
+    given: BladedDisk, material: Material, cut_rings: Collection[int] = ()
+) -> Sketch:
     """Draw a bladed disk; the default table gives the bladed disk of the paper's Fig. 3(a).
 
     Each sector has one blade with elements of nearly equal length, whose tip is on the radial line
@@ -32,6 +43,8 @@ def bladed_disk_sketch(given: BladedDisk, material: Material) -> Sketch:
     Args:
         given: table with sizes and parts.
         material: material of the case, with the named materials.
+        cut_rings: numbers of the shrouds that are cut halfway between all blades; their ends are
+            the node sets `ring_end`.
 
     Raises:
         CaseError: the radius of the centre line does not increase everywhere.
@@ -46,6 +59,9 @@ def bladed_disk_sketch(given: BladedDisk, material: Material) -> Sketch:
     _draw_blades(sketch, given, blade, material)
     _draw_disk(sketch, given, blade, material)
     for i, shroud in enumerate(given.shrouds):
+        if i in cut_rings:
+            _draw_cut_ring(sketch, given, i, blade, material.section(shroud))
+            continue
         node = blade.node_at(shroud.radius)
         _, angle = blade.polar(shroud.radius)
         on_arc = angle + 2.0 * np.pi / given.blades * BETWEEN
@@ -67,6 +83,30 @@ def bladed_disk_sketch(given: BladedDisk, material: Material) -> Sketch:
     for name, node in (("centre", "centre"), ("tips", "tip"), ("roots", "root")):
         sketch.set(name, node)
     return sketch
+
+
+def _draw_cut_ring(
+    sketch: Sketch, given: BladedDisk, ring: int, blade: "_Blade", section: Section
+) -> None:
+    """Draw the parts of a cut ring on both sides of a blade."""
+    shroud = given.shrouds[ring]
+    node, (_, angle) = blade.node_at(shroud.radius), blade.polar(shroud.radius)
+    half = np.pi / given.blades
+    radius = shroud.radius * (1.0 if shroud.elements > 1 else float(np.cos(half)))
+    for side, way in zip(ENDS, (-1.0, 1.0), strict=True):
+        name = ring_end(ring, side)
+        sketch.node(name, *(radius * directions(np.array(angle + way * half))).tolist())
+        along_arc = shroud.radius * directions(angle + way * half * BETWEEN)
+        sketch.member(
+            f"{name} part",
+            node,
+            name,
+            section,
+            elements=-(-shroud.elements // 2),
+            path=along_arc.tolist() if shroud.elements > 2 else (),
+            part="shrouds",
+        )
+        sketch.set(name, name)
 
 
 class _Blade:

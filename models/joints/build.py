@@ -20,6 +20,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.forced import ForcedRotor, forced_rotor
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements.cyclic import transformation
+from bladewhirl.models.superelements.reduction import rigid_limit
 
 ALIKE = 1e-6  #: largest relative difference of forces on equal blades
 
@@ -235,9 +236,13 @@ def _opening(stage: Matrices, pairs: JointNodes) -> FloatArray:
     wanted = [n for n, each in enumerate(case.joint) if each.opening_by_speed]
     if not wanted:
         return np.zeros(len(pairs.joint))
-    part = stage.given
-    if part.centrifugal_load is None or table.kind == "wheel":
-        expected = "false, or a blade or a sector with centrifugal_load in the file"
+    own = table.copies if table.kind == "wheel" else 1
+    part = stage.part if table.kind == "wheel" else stage.given  # a wheel on its supports
+    if part.centrifugal_load is None or stage.reduced.squares.min() <= rigid_limit(stage.part):
+        expected = (
+            "false, or a supported structure with centrifugal_load in the file, which beams have"
+            " with rotation.effects"
+        )
         raise CaseError([case_fault(case, f"joint.{wanted[0]}.opening_by_speed", expected)])
     if case.rotation.effects != "none":
         part = part.at(stage.speed, case.rotation.effects)
@@ -246,5 +251,6 @@ def _opening(stage: Matrices, pairs: JointNodes) -> FloatArray:
         tie = transformation(part, table.copies, 0)
     stiffness = sp.csc_array(tie.T @ sp.csr_array(part.stiffness) @ tie)
     moved = tie @ spsolve(stiffness, stage.speed**2 * (tie.T @ part.centrifugal_load))
-    left, right = np.split(_rows(pairs, part.contacts), 2)
-    return np.asarray(((left + right) @ (part.contact_rows @ moved))[::DIRECTIONS])
+    left, right = np.split(_rows(pairs, part.contacts // own), 2)
+    of_blade = (part.contact_rows @ moved).reshape(own, -1).mean(axis=0)
+    return np.asarray(((left + right) @ of_blade)[::DIRECTIONS])

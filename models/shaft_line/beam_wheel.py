@@ -20,7 +20,7 @@ from bladewhirl.models.elements.bladed_disk import (
     assemble_bladed_disk,
 )
 from bladewhirl.models.elements.build import case_beam_model
-from bladewhirl.models.elements.export import to_cartesian_tips, wheel_superelement
+from bladewhirl.models.elements.export import to_cartesian, wheel_superelement
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.rotation.matrices import rotation_matrices
@@ -70,7 +70,7 @@ def beam_wheel(case: Case) -> BeamWheel:
     layout = disk.structure.layout
     if layout is None or not layout.is_symmetry_of(disk.structure.mass, disk.structure.stiffness):
         raise SuperelementError(UNEQUAL_BLADES)
-    turn, fields = to_cartesian_tips(disk).T, layout.sector_dofs.shape[1]
+    turn, fields = to_cartesian(disk, disk.model.tips).T, layout.sector_dofs.shape[1]
     loads: dict[str, Any] = {
         name: np.append(load, np.zeros(len(own)))
         for name, load in flat.given(("centrifugal_load", "euler_load")).items()

@@ -20,6 +20,7 @@ from bladewhirl.models.stage.cone import wall_share
 from bladewhirl.models.stage.contact_problem import ContactProblem, critical_time_step
 from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.fused_support import with_fused_support
+from bladewhirl.models.stage.jointed_beams import build_jointed_beams
 from bladewhirl.models.stage.line import LineStage, build_line
 from bladewhirl.models.stage.loads import initial_state
 from bladewhirl.models.stage.modal_loads import Load
@@ -57,7 +58,7 @@ def build_stage(given: Buildable, *, blades: bool = False) -> Stage:
     if given.shaft_line is not None:
         expected = "a wheel of solids in a march: beams have no displacements along the axis"
         raise CaseError([case_fault(given, "shaft_line.wheel", expected)])
-    return build_beams(given)
+    return build_jointed_beams(given) if given.joint else build_beams(given)
 
 
 def contact_problem(stage: Stage, *, steps: bool = True) -> ContactProblem:

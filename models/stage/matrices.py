@@ -16,6 +16,7 @@ from bladewhirl.models.case.file import case_fault, with_values
 from bladewhirl.models.case.gauge_positions import gauge_hints
 from bladewhirl.models.case.speed_course import SpeedCourse
 from bladewhirl.models.case.superelement import SuperelementTable
+from bladewhirl.models.elements.cut_rings import WheelOfBeams
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.basis_error import basis_error
@@ -56,8 +57,8 @@ class Matrices(Stage):
     """Function that builds the stage of a case with the same superelement and casing."""
 
     @property
-    def table(self) -> SuperelementTable:
-        """The table of the case."""
+    def table(self) -> SuperelementTable | WheelOfBeams:
+        """The table of the case, or what it would contain for a wheel of beams."""
         return self.case.bladed_disk.matrices
 
     def at(self, omega: float) -> "Matrices":
@@ -379,10 +380,15 @@ class Matrices(Stage):
             "copies": self.table.copies,
             "copies_differ": self._differ,
             "modes": len(frequency) * self.copies,
-            "frequency_error": basis_error(self.case, self.speed, frequency),
+            "frequency_error": self.basis_error,
             "stress_points": None if self.reduced.stress is None else self.given.point_count,
             "contact_nodes": list(self._contact_nodes()),
         }
+
+    @property
+    def basis_error(self) -> float | None:
+        """Largest relative error of the lowest frequencies, see `basis_error.basis_error`."""
+        return basis_error(self.case, self.speed, self.reduced.frequency)
 
     @property
     def _differ(self) -> bool:

@@ -69,7 +69,7 @@ class MatrixDisk(ModalDisk):
 
     @property
     def _table(self) -> SuperelementTable:
-        return self.stage.table
+        return self.stage.case.bladed_disk.matrices
 
     @cached_property
     def labelled(self) -> LabelledModes:

@@ -3,7 +3,8 @@
 Equal blades allow modes that have one nodal diameter each. The eigenvalues of different diameters
 can lie so near to one another that the rounding of the matrices mixes their modes: by t, if these
 move the eigenvalues by t times their distance. The contact nodes show t, and the modes are turned
-back by it.
+back by it. Modes of the same frequency, as those of blades on a rigid disk, are any combinations,
+and turned first.
 """
 
 import numpy as np
@@ -17,6 +18,8 @@ NEAR = 1e-2  #: relative distance of squared frequencies up to which modes are t
 
 ROUNDING = 1e-10
 """Change of a squared frequency, as a fraction of it, that rounding of the matrices can explain."""
+
+PURE = 0.99  #: share of one nodal diameter from which a mode is mixed with others by rounding only
 
 FEWEST_BLADES = 3
 
@@ -69,6 +72,9 @@ def turned_to_diameters(
         angle: angle of each contact node [rad], (c,).
     """
     for blades in blade_numbers(angle)[:1]:
+        turn = _of_equal_frequency(squares, contact, blades)
+        if turn is not None:
+            shapes, contact = shapes @ turn, contact @ turn
         parts, of_column, diameter = by_diameter(contact, blades)
         distance = np.abs(squares[:, None] - squares)
         scale = np.maximum(np.abs(squares[:, None]), np.abs(squares))
@@ -81,3 +87,25 @@ def turned_to_diameters(
         mixed[np.abs(mixed) * distance > ROUNDING * scale] = 0.0
         return np.asarray(shapes - shapes @ mixed)
     return shapes
+
+
+def _of_equal_frequency(squares: FloatArray, contact: FloatArray, blades: int) -> FloatArray | None:
+    """Return the orthogonal matrix that turns modes of the same frequency which have several nodal
+    diameters each to single ones, (modes, modes); None if there are none."""
+    parts, of_column, diameter = by_diameter(contact, blades)
+    power = (parts**2).sum(axis=1)
+    own = np.where(of_column[:, None] == diameter, power, 0.0).sum(axis=0)
+    mixed = own < PURE * power.sum(axis=0)
+    if not mixed.any():
+        return None
+    order = np.argsort(squares)
+    gaps = np.diff(squares[order]) > ROUNDING * np.abs(squares[order][1:])
+    turn = np.eye(len(squares))
+    for group in np.split(order, np.flatnonzero(gaps) + 1):
+        if mixed[group].any():
+            field = parts[:, :, group]
+            weighed = of_column[:, None, None] * field
+            flat, goal = (each.reshape(-1, len(group)) for each in (field, weighed))
+            number = np.linalg.lstsq(flat, goal)[0]  # the nodal diameters, on the modes
+            turn[np.ix_(group, group)] = np.linalg.eigh(0.5 * (number + number.T))[1]
+    return turn

@@ -74,7 +74,8 @@ def resonance_beyond(
     """
     near, square = resonances(end), float(order) ** 2
     away = outward * near.value / square  # of the squares, if the stiffness did not change
-    reached = near.drive / np.maximum(near.loss, np.finfo(float).tiny)
+    with np.errstate(over="ignore"):  # infinite without damping
+        reached = near.drive / np.maximum(near.loss, np.finfo(float).tiny)
     strong = (away > -near.loss / square) & (end**2 + outward * away > 0.0)
     strong &= reached > WEAK * reached.max(initial=0.0)
     order_of = np.argsort(np.where(strong, np.abs(away), np.inf), axis=None)
