@@ -63,6 +63,31 @@ class ComplianceOverSpeeds:
 
         return np.asarray(BarycentricInterpolator(self.speeds, self.compliance)(speed))
 
+    def displacement(self, force: FloatArray, speed: FloatArray) -> FloatArray:
+        """Return the displacements of contact nodes due to forces on them [m].
+
+        Args:
+            force: contact forces at some instants [N], (instants, copies, 3c).
+            speed: speeds at these instants [rad/s], (instants,).
+        """
+        from scipy.interpolate import BarycentricInterpolator  # long to load
+
+        parts = BarycentricInterpolator(self.speeds, np.eye(len(self.speeds)))(speed)
+        terms = zip(parts.T, self.compliance, strict=True)
+        return np.asarray(
+            sum(part[:, None, None] * displacement_by(force, each) for part, each in terms)
+        )
+
+
+def displacement_by(force: FloatArray, compliance: FloatArray) -> FloatArray:
+    """Return the displacements due to forces at some instants [m], (instants, copies, 3c).
+
+    Args:
+        force: contact forces [N], (instants, copies, 3c).
+        compliance: see `ReducedRotor.compliance`, (copies, 3c, 3c).
+    """
+    return np.asarray((force.swapaxes(0, 1) @ compliance.swapaxes(1, 2)).swapaxes(0, 1))
+
 
 @dataclass(frozen=True, kw_only=True)
 class FreeSpeed:

@@ -85,12 +85,12 @@ static void take_rotor(const March *m, int64_t size)
         int64_t n = s->list.at[j], first = n / count * count; /* first node of its copy */
         double friction = m->stage.numbers->friction * s->sign.at[n];
         double *row = s->on_rotor.at + j * s->on_rotor.columns;
-        const double *own = rotor->compliance.at + first * DIRECTIONS * width + DIRECTIONS * (n - first);
+        const double *push = rotor->compliance.at + DIRECTIONS * n * width; /* radial displacements */
+        const double *drag = push + width;
         for (int64_t i = 0; i < padded(size); i++) {
             int64_t other = i < size ? s->list.at[i] - first : -1;
-            const double *entry = own + DIRECTIONS * other * width;
             int coupled = 0 <= other && other < count;
-            row[i] = coupled ? entry[RADIAL] + friction * entry[TANGENTIAL] : 0.0;
+            row[i] = coupled ? push[other] + friction * drag[other] : 0.0;
         }
         if (m->stage.foreshortening && m->scratch->bending.count.at[NEAR_TIPS] > 0)
             bend_answers(m->stage.foreshortening, &m->scratch->bending, s, j, size, friction);
@@ -126,15 +126,14 @@ static void take_compliance(const March *m, int64_t size)
     int64_t wide = s->compliance.columns;
     for (int64_t i = 0; i < size; i++) {
         int64_t n = s->list.at[i], first = n / count * count; /* first node of its copy */
-        const double *own = rotor->compliance.at + DIRECTIONS * n * width;
         double *row = s->compliance.at + DIRECTIONS * i * wide;
         for (int64_t j = 0; j < size; j++) {
-            int64_t other = s->list.at[j] - first;
-            int coupled = 0 <= other && other < count;
+            int64_t other = s->list.at[j];
+            const double *by = rotor->compliance.at + DIRECTIONS * other * width + (n - first);
+            int coupled = first <= other && other < first + count;
             for (int64_t k = 0; k < DIRECTIONS; k++)
                 for (int64_t l = 0; l < DIRECTIONS; l++)
-                    row[k * wide + DIRECTIONS * j + l] =
-                        coupled ? own[k * width + DIRECTIONS * other + l] : 0.0;
+                    row[k * wide + DIRECTIONS * j + l] = coupled ? by[l * width + k * count] : 0.0;
         }
     }
     for (int64_t j = 0; j < size && m->stage.casing->modes > 0; j++)

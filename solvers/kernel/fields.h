@@ -155,10 +155,10 @@ INLINED void blade_values(const Rotor *rotor, const double *sums, double *out)
         combine_rows(&rotor->shape, sums, out);
 }
 
-/* Compute a field of the rotor at the blades, by harmonic, from the weights of the modes in their
- * columns and, unless `across` is NULL, in the partner columns. */
-INLINED void blade_field(const Rotor *rotor, const double *own, const double *across,
-                         const double *x, FieldScratch *f, double *out)
+/* Sum a field of the rotor by column, by harmonic, from the weights of the modes in their columns and,
+ * unless `across` is NULL, in the partner columns. */
+INLINED void blade_sums(const Rotor *rotor, const double *own, const double *across, const double *x,
+                        FieldScratch *f)
 {
     int64_t columns = rotor->own.columns, half = rotor->half;
     Matrix weight = {.at = (double *)own, .rows = rotor->own.rows, .columns = columns};
@@ -172,7 +172,22 @@ INLINED void blade_field(const Rotor *rotor, const double *own, const double *ac
         for (int64_t h = 0; h < columns; h += LANES)
             store(f->sums.at + h, add(load(f->sums.at + h), load(partner + half + h)));
     }
+}
+
+/* Compute this field at the blades. */
+INLINED void blade_field(const Rotor *rotor, const double *own, const double *across,
+                         const double *x, FieldScratch *f, double *out)
+{
+    blade_sums(rotor, own, across, x, f);
     blade_values(rotor, f->sums.at, out);
+}
+
+/* Sum a component of the displacements of a blade by column. */
+INLINED void component_sums(const Rotor *rotor, int64_t component, const double *x, FieldScratch *f)
+{
+    int64_t at = component * rotor->own.rows * rotor->own.columns;
+    const double *across = rotor->crosses.at[component] ? rotor->across.at + at : NULL;
+    blade_sums(rotor, rotor->own.at + at, across, x, f);
 }
 
 /* Compute a component of the displacements of all nodes for modal coordinates x. Without harmonics,
@@ -182,12 +197,10 @@ INLINED void node_field(const Rotor *rotor, int64_t direction, const double *x,
 {
     if (rotor->half > 0) {
         int64_t blades = rotor->spread.rows, each = rotor->own.layers / DIRECTIONS;
-        int64_t size = rotor->own.rows * rotor->own.columns;
         for (int64_t i = 0; i < each; i++) {
-            int64_t k = DIRECTIONS * i + direction;
-            const double *own = rotor->own.at + k * size, *across = rotor->across.at + k * size;
             double *to = each > 1 ? f->blades.at : out;
-            blade_field(rotor, own, rotor->crosses.at[k] ? across : NULL, x, f, to);
+            component_sums(rotor, DIRECTIONS * i + direction, x, f);
+            blade_values(rotor, f->sums.at, to);
             for (int64_t b = 0; each > 1 && b < blades; b++)
                 out[b * each + i] = to[b];
         }

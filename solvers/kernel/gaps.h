@@ -75,16 +75,29 @@ static void want_listed(const March *m, int64_t size)
         s->wanted.at[s->list.at[i] / count] = 1;
 }
 
-/* Return the work of forces in a direction on the wanted copies for a component of displacements, on
- * all nodes or on those that can touch the wall. */
-static double work_of(const March *m, int direction, const double *force, const double *moved, int all)
+/* List the nodes at the wall with a force, or with one of two unless `before` is NULL, and let their
+ * copies be wanted. Returns the number of nodes. */
+static int64_t list_pushed(const March *m, const double *force, const double *before)
 {
-    int64_t copies = m->stage.rotor->copies, count = m->stage.rotor->compliance.rows / DIRECTIONS;
+    NodeScratch *s = &m->scratch->nodes;
+    int64_t size = 0;
+    for (int64_t n = 0; n < s->listed.size; n++) {
+        int64_t k = DIRECTIONS * n + RADIAL;
+        if ((force[k] < 0.0 || (before && before[k] < 0.0)) && at_wall(m, n))
+            s->list.at[size++] = n;
+    }
+    want_listed(m, size);
+    return size;
+}
+
+/* Return the work of forces in a direction on the nodes of the list for their displacements. */
+static double work_of(const March *m, int64_t size, int direction, const double *force,
+                      const double *moved)
+{
+    const int64_t *list = m->scratch->nodes.list.at;
     double sum = 0.0;
-    for (int64_t copy = 0; copy < copies; copy++)
-        for (int64_t n = copy * count; m->scratch->nodes.wanted.at[copy] && n < (copy + 1) * count; n++)
-            if (all || at_wall(m, n))
-                sum += force[DIRECTIONS * n + direction] * moved[n];
+    for (int64_t i = 0; i < size; i++)
+        sum += force[DIRECTIONS * list[i] + direction] * moved[i];
     return sum;
 }
 
@@ -95,12 +108,58 @@ static void add_flexible(const Rotor *rotor, int64_t direction, const IntVector 
 {
     int64_t width = rotor->compliance.rows, count = width / DIRECTIONS;
     for (int64_t copy = 0; copy < rotor->copies; copy++) {
-        const double *row = rotor->compliance.at + (copy * width + direction) * width;
-        if ((wanted && !wanted->at[copy]) || !is_pushed(rotor, force, copy))
+        if (wanted && !wanted->at[copy])
             continue;
-        for (int64_t i = 0; i < count; i++, row += DIRECTIONS * width)
-            out[copy * count + i] += factor * dot(row, force + copy * width, width);
+        for (int64_t k = copy * width; k < (copy + 1) * width; k++) {
+            const double *by = rotor->compliance.at + k * width + direction * count;
+            double push = factor * force[k], *to = out + copy * count;
+            for (int64_t i = 0; push != 0.0 && i < count; i++)
+                to[i] += push * by[i];
+        }
     }
+}
+
+/* Add a component of the displacements of the nodes of the list due to forces and their compliance. */
+static void add_flexible_listed(const March *m, int64_t direction, int64_t size, const double *force,
+                                double factor, double *out)
+{
+    const Rotor *rotor = m->stage.rotor;
+    const int64_t *list = m->scratch->nodes.list.at;
+    int64_t width = rotor->compliance.rows, count = width / DIRECTIONS;
+    for (int64_t k = 0; k < rotor->copies * width; k++) {
+        int64_t first = k / width * count;
+        const double *by = rotor->compliance.at + k * width + direction * count - first;
+        double push = factor * force[k];
+        for (int64_t i = 0; push != 0.0 && i < size; i++)
+            if (first <= list[i] && list[i] < first + count)
+                out[i] += push * by[list[i]];
+    }
+}
+
+/* Compute a component of the displacements of the nodes of the list, of wanted copies, for modal
+ * coordinates x. */
+static void listed_field(const March *m, int64_t direction, int64_t size, const double *x, double *out)
+{
+    const Rotor *rotor = m->stage.rotor;
+    FieldScratch *f = &m->scratch->fields;
+    const int64_t *list = m->scratch->nodes.list.at;
+    int64_t each = rotor->own.layers / DIRECTIONS, columns = rotor->own.columns;
+    if (rotor->half == 0) {
+        node_field(rotor, direction, x, &m->scratch->nodes.wanted, f, f->moved.at);
+        for (int64_t i = 0; i < size; i++)
+            out[i] = f->moved.at[list[i]];
+        return;
+    }
+    for (int64_t node = 0; node < each; node++)
+        for (int64_t i = 0, summed = 0; i < size; i++) {
+            int64_t blade = list[i] / each;
+            if (list[i] - blade * each != node)
+                continue;
+            if (!summed)
+                component_sums(rotor, DIRECTIONS * node + direction, x, f);
+            summed = 1;
+            out[i] = dot(rotor->spread.at + blade * columns, f->sums.at, columns);
+        }
 }
 
 /* Store the change of the displacements of a body. */
@@ -228,15 +287,16 @@ static void find_slip(const March *m, int64_t size)
     const Rotor *rotor = m->stage.rotor;
     NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
+    double *moved = f->other.at;
     store_change(m->x, m->x.now, f->change.at);
     for (int direction = 0; direction < DIRECTIONS; direction++) {
-        node_field(rotor, direction, f->change.at, &s->wanted, f, f->moved.at);
+        listed_field(m, direction, size, f->change.at, moved);
         if (rotor->massless > 0.0 && m->held)
-            add_flexible(rotor, direction, &s->wanted, m->state->force.at, -1.0, f->moved.at);
+            add_flexible_listed(m, direction, size, m->state->force.at, -1.0, moved);
         if (m->stage.joints)
-            add_flexible(rotor, direction, &s->wanted, m->scratch->joints.on_nodes.at, 1.0, f->moved.at);
+            add_flexible_listed(m, direction, size, m->scratch->joints.on_nodes.at, 1.0, moved);
         for (int64_t i = 0; i < size; i++)
-            s->slide.at[DIRECTIONS * i + direction] = f->moved.at[s->list.at[i]];
+            s->slide.at[DIRECTIONS * i + direction] = moved[i];
     }
     if (m->stage.casing->modes == 0)
         return;

@@ -97,8 +97,8 @@ typedef struct {
     Matrix fold;        /* (folded_blades, quarter_blades) `shape` on a quarter of the circle, see
                          * `fold_field`, or empty */
     Matrix spread;      /* (blades, columns) transpose of `shape` */
-    Cube compliance;    /* (copies, components, components) change of the displacements due to unit
-                         * forces within the step [m/N] */
+    Cube compliance;    /* (copies, components, components) for each unit force within the step, change
+                         * of the radial displacements of all nodes, then of the others [m/N] */
     Vector radius;      /* (wide) radius of each node [m] */
     Vector position;    /* (wide) angle of each node in elements of the casing */
     Vector recess;      /* (wide) gap of each node at rest minus the clearance [m] */
@@ -155,11 +155,12 @@ typedef struct {
  * [s2]. */
 typedef struct {
     ModalMatrix inverse;  /* response of the modes to forces on the modes */
-    Vector loss;          /* (loss) damping if equal for cosine and sine: the upper triangle, with
-                           * twice the entries off the diagonal; for HALF columns, groups of ROWS
-                           * rows, and rows from the first row of the group on */
+    Vector loss;          /* (loss) damping in blocks R and X as in `ModalMatrix`: the upper triangles,
+                           * with twice the entries off the diagonal; for HALF columns, groups of
+                           * ROWS rows, and rows from the first row of the group on: R, then X */
+    int64_t loss_crosses; /* 0 if the blocks X of `loss` are zero and left out */
     Matrix full_loss;     /* (entries, copy_wide) the upper triangle for all modes of a copy, if damping
-                           * couples columns; otherwise empty */
+                           * has no such blocks; otherwise empty */
     IntVector loss_end;   /* (entries) number of entries of each row of `full_loss` up to the last
                            * that is not zero */
     Matrix circulation;   /* (fixed, entries) force of static dampers for a unit of `centre` */

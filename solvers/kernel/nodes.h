@@ -338,30 +338,22 @@ static void contact_works(const March *m)
     NodeScratch *s = &m->scratch->nodes;
     FieldScratch *f = &m->scratch->fields;
     const double *before = m->state->force.at, *force = s->force.at;
-    double *work = m->state->work.at, *moved = f->moved.at;
+    double *work = m->state->work.at, *moved = f->other.at;
     int massless = rotor->massless > 0.0;
     int directions = rotor->axial > 0.0 ? DIRECTIONS : 2;
-    int64_t width = rotor->compliance.rows, all = 0;
-    int64_t *wanted = s->wanted.at;
-    for (int64_t copy = 0; copy < rotor->copies; copy++) {
-        wanted[copy] = 0;
-        for (int64_t i = copy * width; i < (copy + 1) * width; i += DIRECTIONS)
-            wanted[copy] |= (force[i] < 0.0 || (massless && before[i] < 0.0))
-                            && at_wall(m, i / DIRECTIONS);
-        all |= wanted[copy];
-    }
-    if (!all)
+    int64_t size = list_pushed(m, force, massless ? before : NULL);
+    if (size == 0)
         return;
     store_change(m->x, massless ? m->x.now : m->x.old, f->change.at);
     for (int direction = 0; direction < directions; direction++) {
-        node_field(rotor, direction, f->change.at, &s->wanted, f, moved);
+        listed_field(m, direction, size, f->change.at, moved);
         if (massless) {
-            add_flexible(rotor, direction, &s->wanted, force, 1.0, moved);
-            add_flexible(rotor, direction, &s->wanted, before, -1.0, moved);
+            add_flexible_listed(m, direction, size, force, 1.0, moved);
+            add_flexible_listed(m, direction, size, before, -1.0, moved);
         }
-        double sum = work_of(m, direction, force, moved, 0);
+        double sum = work_of(m, size, direction, force, moved);
         if (massless)
-            sum += work_of(m, direction, before, moved, 0);
+            sum += work_of(m, size, direction, before, moved);
         work[direction == RADIAL ? NORMAL : FRICTION] += 0.5 * sum;
     }
 }
@@ -421,17 +413,17 @@ static void account_nodes(March *m, int touching, const double *gap, const doubl
 /* Return the energy of the residual flexibility of massless nodes half a step before step n. */
 static double flexible_energy(const March *m)
 {
-    const Rotor *rotor = m->stage.rotor;
     FieldScratch *f = &m->scratch->fields;
     const double *force = m->state->force.at;
-    double energy = m->stage.joints ? joint_energy(m) : 0.0;
-    if (!(rotor->massless > 0.0) || !want_pushed(m, force))
+    double energy = m->stage.joints ? joint_energy(m) : 0.0, *moved = f->other.at;
+    int64_t size = m->stage.rotor->massless > 0.0 ? list_pushed(m, force, NULL) : 0;
+    if (size == 0)
         return energy;
     store_change((Motion){.new = m->x.now, .entries = m->x.entries}, m->x.old, f->change.at);
     for (int direction = 0; direction < DIRECTIONS; direction++) {
-        node_field(rotor, direction, f->change.at, &m->scratch->nodes.wanted, f, f->moved.at);
-        add_flexible(rotor, direction, &m->scratch->nodes.wanted, force, 1.0, f->moved.at);
-        energy += 0.5 * work_of(m, direction, force, f->moved.at, 0);
+        listed_field(m, direction, size, f->change.at, moved);
+        add_flexible_listed(m, direction, size, force, 1.0, moved);
+        energy += 0.5 * work_of(m, size, direction, force, moved);
     }
     return energy;
 }

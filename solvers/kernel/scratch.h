@@ -118,7 +118,7 @@ typedef struct {
     Vector sign;        /* direction of sliding of each node, if it does not depend on the forces */
     IntVector wanted;   /* 1 for copies with contact forces, or of the group */
     IntVector listed;   /* 1 for nodes of the group */
-    IntVector list;     /* numbers of the nodes of the group */
+    IntVector list;     /* numbers of the nodes of the group, or of all that are pushed */
     IntVector known;    /* nodes for which `on_rotor` is valid, -1 behind the last */
     Vector known_sign;  /* and their directions of sliding */
     Matrix on_rotor;    /* part of `response` due to the rotor */
@@ -322,7 +322,7 @@ static void lay_nodes(Arena *a, const Stage *g, const State *state, int64_t grou
     s->sign = vector(a, tips);
     s->wanted = integers(a, rotor->copies);
     s->listed = integers(a, tips);
-    s->list = integers(a, group);
+    s->list = integers(a, tips);
     s->known = integers(a, group);
     s->known_sign = vector(a, group);
     s->on_rotor = matrix(a, sliding, wide);

@@ -61,6 +61,7 @@ static double full_loss(const Gyroscopic *g, const double *moved)
 static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, double *moved)
 {
     int64_t rows = rotor->own.rows, columns = rotor->own.columns, half = rotor->half;
+    int crosses = g->loss_crosses != 0;
     const double *at = g->loss.at;
     Half lost = half_splat(0.0);
     for (int64_t i = 0; i < x.entries; i += LANES)
@@ -72,13 +73,19 @@ static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, do
             Half on_cosine[ROWS], on_sine[ROWS];
             for (int k = 0; k < ROWS; k++)
                 on_cosine[k] = on_sine[k] = half_splat(0.0);
-            for (int64_t n = m; n < rows; n++, at += ROWS * HALF) {
+            for (int64_t n = m; n < rows; n++, at += (1 + crosses) * ROWS * HALF) {
                 Half cosine = half_load(moved + n * columns + h);
                 Half sine = half_load(moved + n * columns + half + h);
+                Half minus = half_sub(half_splat(0.0), cosine);
                 for (int k = 0; k < ROWS; k++) {
                     Half d = half_load(at + k * HALF);
                     on_cosine[k] = half_muladd(d, cosine, on_cosine[k]);
                     on_sine[k] = half_muladd(d, sine, on_sine[k]);
+                    if (!crosses)
+                        continue;
+                    Half across = half_load(at + (ROWS + k) * HALF);
+                    on_cosine[k] = half_muladd(across, sine, on_cosine[k]);
+                    on_sine[k] = half_muladd(across, minus, on_sine[k]);
                 }
             }
             for (int k = 0; k < ROWS; k++)

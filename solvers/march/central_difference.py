@@ -8,7 +8,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.cone import in_wall_axes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.modal_loads import Start
-from bladewhirl.models.stage.varying_speed import Rotation
+from bladewhirl.models.stage.varying_speed import Rotation, displacement_by
 from bladewhirl.solvers.kernel.structs import (
     Arrays,
     Struct,
@@ -396,10 +396,9 @@ class CentralDifference:
         change = self._problem.change
         if change is not None and change.compliance is not None:
             time = records.step[:written] * self._time_step
-            compliance = change.compliance.at(change.course.speed(time))
-        if compliance is not None:
-            each = "rcij" if compliance.ndim > 3 else "cij"
-            moved = moved + np.einsum(f"rcj,{each}->rci", force, compliance)
+            moved = moved + change.compliance.displacement(force, change.course.speed(time))
+        elif compliance is not None:
+            moved = moved + displacement_by(force, compliance)
         slope = self._problem.slope
         moved, force = (
             in_wall_axes(each.reshape(-1, components).T, -slope).T if np.any(slope) else each

@@ -100,7 +100,7 @@ def pack_rotor(
         body=_body(problem, arrangement, dt),
         copies=rotor.copies,
         half=arrangement.half,
-        compliance=aligned_copy(compliance),
+        compliance=_by_force(compliance),
         massless=float(flexible is not None),
         full=float(problem.sliding == "full"),
         axial=float(problem.sliding == "full" or problem.joints is not None),
@@ -173,6 +173,14 @@ def _dense(rotor: ReducedRotor) -> tuple[Arrangement, Arrays]:
     }
 
 
+def _by_force(compliance: FloatArray) -> FloatArray:
+    """Return for each unit force the radial displacements of all nodes, then the tangential and the
+    axial ones, from the displacements node by node, (copies, components, components)."""
+    copies, size, _ = compliance.shape
+    columns = compliance.swapaxes(1, 2).reshape(copies, size, size // DIRECTIONS, DIRECTIONS)
+    return aligned_copy(columns.swapaxes(2, 3).reshape(copies, size, size))
+
+
 def _body(problem: ContactProblem, arrangement: Arrangement, dt: float) -> Struct:
     rotor, loads = problem.rotor, [load.rotor for load in problem.loads]
     coupled = rotor.by_velocity is not None
@@ -215,7 +223,7 @@ def pack_gyroscopic(
         return None
     inverses = rotor_inverses(rotor, dt)
     damping = rotor.velocity_forces
-    loss, full_loss = _losses((damping + damping.swapaxes(1, 2)) / 2.0, arrangement)
+    loss, full_loss, crosses = _losses((damping + damping.swapaxes(1, 2)) / 2.0, arrangement)
     stands_still = [0, 1] if rotor.circulation != 0.0 else []
     pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
     part = None if like is None else like.inverse
@@ -223,6 +231,7 @@ def pack_gyroscopic(
         "Gyroscopic",
         inverse=modal_matrix(inverses, arrangement, part),
         loss=loss,
+        loss_crosses=crosses,
         full_loss=full_loss,
         loss_end=_ends(full_loss),
         circulation=arrangement.pack(pull[stands_still]),
@@ -296,23 +305,8 @@ def _blocks(
         the blocks in the order of the kernel; the nonzero entries outside the blocks; the row and
         the column of each of these entries.
     """
-    rows, columns, half = arrangement.rows, arrangement.columns, arrangement.half
-    entries = arrangement.entries
-    full = np.zeros((entries, entries))
-    full[np.ix_(arrangement.entry, arrangement.entry)] = inverse
-    grid = full.reshape(rows, columns, rows, columns)
-    cosine = np.arange(half)
-    sine = half + cosine
-    own, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
-    for to, by, block in (
-        (cosine, cosine, own),
-        (sine, sine, own),
-        (cosine, sine, across),
-        (sine, cosine, -across),
-    ):
-        grid[:, to, :, by] -= block
-    empty = np.setdiff1d(np.arange(entries), arrangement.entry)  # positions without a mode
-    full[empty], full[:, empty] = 0.0, 0.0
+    rows, half = arrangement.rows, arrangement.half
+    own, across, full = _split(inverse, arrangement)
     if places is None:
         to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max(initial=0.0))
         order = np.argsort(by, kind="stable")
@@ -325,12 +319,37 @@ def _blocks(
     return aligned_copy(registers.reshape(-1)), full[places], *places
 
 
-def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray]:
+def _split(
+    matrix: FloatArray, arrangement: Arrangement
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the blocks R and X of a matrix (modes, modes) of a cyclic rotor for each cosine
+    column, (half, rows, rows) each, see `ModalMatrix` in `kernel.h`, and what is left, (entries,
+    entries)."""
+    rows, columns, entries = arrangement.rows, arrangement.columns, arrangement.entries
+    full = np.zeros((entries, entries))
+    full[np.ix_(arrangement.entry, arrangement.entry)] = matrix
+    grid = full.reshape(rows, columns, rows, columns)
+    cosine = np.arange(arrangement.half)
+    sine = arrangement.half + cosine
+    own, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
+    for to, by, block in (
+        (cosine, cosine, own),
+        (sine, sine, own),
+        (cosine, sine, across),
+        (sine, cosine, -across),
+    ):
+        grid[:, to, :, by] -= block
+    empty = np.setdiff1d(np.arange(entries), arrangement.entry)  # positions without a mode
+    full[empty], full[:, empty] = 0.0, 0.0
+    return own, across, full
+
+
+def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray, int]:
     """Return the matrices from which the kernel computes the dissipation d^T D d.
 
-    If the damping of cosine and sine modes is equal, D is stored as blocks, otherwise as a matrix
-    of all modes. Blocks and matrix contain upper triangles only, with doubled entries outside the
-    diagonal.
+    If the damping couples cosine and sine modes as waves do, D is stored as blocks, otherwise as a
+    matrix of all modes. Blocks and matrix contain upper triangles only, with doubled entries
+    outside the diagonal.
 
     Args:
         damping: D of each copy, symmetric [1/s], (copies, modes, modes).
@@ -338,35 +357,37 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
 
     Returns:
         the blocks, in the order of `Gyroscopic`, and the matrix of all modes of each copy,
-        (entries, columns); one of the two is empty, without damping both are.
+        (entries, columns), of which one is empty, without damping both; 1 if the blocks have X.
     """
+    half, entries = arrangement.half, arrangement.entries
+    none = aligned(0), aligned((0, lib.LANES))
     if not damping.any():
-        return aligned(0), aligned((0, lib.LANES))
-    rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
+        return *none, 0
+    if half > 0:
+        own, across, left = _split(damping[0], arrangement)
+        least = ALIKE * np.abs(damping).max()
+        if np.abs(left).max(initial=0.0) <= least:
+            crosses = bool(np.abs(across).max(initial=0.0) > least)
+            return _loss_blocks([own, across] if crosses else [own]), none[1], int(crosses)
     copies, modes, _ = damping.shape
     full = aligned((copies, entries // copies, entries // copies))
     entry = arrangement.entry[:modes]
     full[np.ix_(np.arange(copies), entry, entry)] = damping
     twice = np.triu(2.0 * full) - full * np.eye(entries // copies)
-    if half == 0:
-        return aligned(0), aligned_copy(twice.reshape(entries, -1))
-    grid = twice[0].copy().reshape(2 * [rows, arrangement.columns])
-    cosine = np.arange(half)
-    direct = np.zeros((half, padded(rows, lib.ROWS), rows))
-    direct[:, :rows] = grid[:, cosine, :, cosine]
-    for column in (cosine, half + cosine):
-        grid[:, column, :, column] -= direct[:, :rows]
-    left = grid.reshape(entries, entries)[np.ix_(entry, entry)]
-    if np.abs(left).max(initial=0.0) > ALIKE * np.abs(damping).max(initial=0.0):
-        return aligned(0), aligned_copy(twice[0])
-    registers = direct.reshape(half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(
-        0, 2, 4, 3, 1
-    )
-    groups = [registers[:, g, g * lib.ROWS :] for g in range(registers.shape[1])]
-    by_register = [
-        np.concatenate([group[h].ravel() for group in groups]) for h in range(len(registers))
-    ]
-    return aligned_copy(np.concatenate(by_register)), aligned((0, lib.LANES))
+    return none[0], aligned_copy(twice.reshape(entries, -1)), 0
+
+
+def _loss_blocks(kinds: list[FloatArray]) -> FloatArray:
+    """Return blocks of damping, of one kind or of two, (half, rows, rows) each, in the order of
+    `Gyroscopic`."""
+    half, rows, _ = kinds[0].shape
+    blocks = np.zeros((len(kinds), half, padded(rows, lib.ROWS), rows))
+    blocks[:, :, :rows] = [np.triu(2.0 * kind) - kind * np.eye(rows) for kind in kinds]
+    registers = blocks.reshape(len(kinds), half // lib.HALF, lib.HALF, -1, lib.ROWS, rows)
+    registers = registers.transpose(1, 3, 5, 0, 4, 2)
+    groups = range(registers.shape[1])
+    parts = [each[g, g * lib.ROWS :].ravel() for each in registers for g in groups]
+    return aligned_copy(np.concatenate(parts))
 
 
 def _answers(
