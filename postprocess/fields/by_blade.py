@@ -97,11 +97,11 @@ def natural_modes(dataset: xr.Dataset) -> tuple[Array, IntArray]:
     """Return natural frequencies without contact in rotating axes [Hz] and their nodal diameters,
     (modes,) each, ascending, two of equal frequency and nodal diameter once.
 
-    With Coriolis forces the frequencies of beams are those of backward waves, which engine orders
-    up to half the number of blades excite. The diameter is the one with the largest share in the
-    motion of the tips; `ANY` for copies that do not influence each other, of which the modes of the
-    first are returned. The records of a shaft line are on modes without its bearings, so that it
-    has no natural frequencies here.
+    Those of beams have the Coriolis forces of backward waves, which engine orders up to half the
+    number of blades excite; those of superelements have none. The diameter is the one with the
+    largest share in the motion of the tips; `ANY` for copies that do not influence each other, of
+    which the modes of the first are returned. The records of a shaft line are on modes without its
+    bearings, so that it has no natural frequencies here.
     """
     if has(dataset, "line"):
         return np.zeros(0), np.zeros(0, dtype=np.int64)

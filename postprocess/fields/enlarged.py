@@ -31,6 +31,7 @@ from bladewhirl.models.stage.coating import axial_tracks, track_edges
 from bladewhirl.postprocess.fields import kinematics
 from bladewhirl.postprocess.fields.by_blade import blade_means
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
+from bladewhirl.postprocess.fields.mitres import mitred
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import contact_nodes, points_of
 
@@ -245,7 +246,8 @@ class EnlargedStage(EnlargedWall):
         Args:
             index: position among the chosen records.
             points: drawn points, from `points`.
-            wall: drawn casing, from `wall`; the ends of blades are cut parallel to it.
+            wall: drawn casing, from `wall`; the ends of blades are cut parallel to it. Other ends
+                are mitred where beams go on from each other.
         """
         line = self.body.stations(points)[..., :2]
         if not len(line):
@@ -253,6 +255,7 @@ class EnlargedStage(EnlargedWall):
         along = unit(np.gradient(line, axis=1, edge_order=min(2, line.shape[1] - 1)))
         half = self.body.thickness[..., None] / 2 * rotate(along, np.pi / 2)
         sides = np.stack([line - half, line + half], axis=2)
+        sides = mitred(sides, along, line, self.body.thickness, self.body.mitres)
         beams, stations = np.divmod(self.body.ends, line.shape[1])
         corner, middle = sides[beams, stations], line[beams, stations][:, None]
         wall_angle, wall_radius = _polar(wall[:, 0])

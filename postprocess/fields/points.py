@@ -25,6 +25,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     line_rows,
 )
 from bladewhirl.postprocess.fields.lost_blades import lost_beams, lost_blades
+from bladewhirl.postprocess.fields.mitres import Mitres, mitres_of
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stresses
 from bladewhirl.postprocess.fields.strains import rotor_sections, rotor_strain_rows
@@ -73,6 +74,7 @@ class Points:
     thickness: Array = field(default_factory=lambda: np.zeros((0, 1)))
     """Thickness of beams at their stations (line, station) [m]."""
     ends: IntArray = absent()  #: stations at tips, among all stations of all beams
+    mitres: Mitres = field(default_factory=Mitres)  #: joints at which beams go on from each other
     drawn_back: Callable[[IntArray], Array | None] = lambda _: None
     """Function of records that returns the distance by which each point draws back at them (record,
     point) [m], or None."""
@@ -152,6 +154,7 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
             "lost": np.append(beam_cuts.nodes, number[beam_cuts.lines]),
             "cut": np.append(beam_cuts.node_cuts, np.repeat(beam_cuts.line_cuts, stations)),
         }
+    thickness = rotor_sections(dataset, "thickness", pieces)
     return Points(
         rest=np.pad(np.vstack([nodes, line.reshape(-1, 2)]), ((0, 0), (0, 1))),
         cells=np.stack([number[:, :-1], number[:, 1:]], axis=-1).reshape(-1, 2),
@@ -172,7 +175,8 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
             "stress": Recovered("surface stress", "Pa", True, recovered("stress")),
         },
         modulus=rotor_sections(dataset, "young_modulus", pieces),
-        thickness=rotor_sections(dataset, "thickness", pieces),
+        thickness=thickness,
+        mitres=mitres_of(nodes, ends, thickness[:, [0, -1]]),
         ends=stations * beams + np.where(end == 1, stations - 1, 0),
         drawn_back=lambda records: drawn_back(dataset, records, pieces),
         **lost,

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS
-from bladewhirl.postprocess.plotting.axes import cell_edges, draw_decades
-from bladewhirl.postprocess.plotting.style import OUTLINE, styled
+from bladewhirl.postprocess.plotting.axes import Labels, cell_edges, draw_decades
+from bladewhirl.postprocess.plotting.style import COLOURS, OUTLINE, styled
 from bladewhirl.postprocess.sweep.dataset import DIRECTION
 from bladewhirl.postprocess.sweep.drawing import in_handy_units, key_edges, plot_quantities
 from bladewhirl.postprocess.sweep.quantities import LINE, along, need_a_grid
@@ -31,6 +31,8 @@ ABOVE = 1.3
 """Highest frequency shown, divided by the highest frequency with an amplitude above `VISIBLE`."""
 
 ORDERS = range(1, 13)  #: engine orders that are drawn as lines
+FIRST, MEET = "engine orders", "order and diameter meet"  #: labels of the first order and of rings
+AROUND = ((0, 4), (0, -4), (5, 0), (-5, 0))  #: offsets of the labels of rings
 
 CONTACT: Mapping[str, tuple[float | None, str]] = {
     "impulse_per_revolution": (1.0, "impulse per\nrevolution [N s]"),
@@ -117,12 +119,22 @@ def plot_node_spectra(data: xr.Dataset) -> Figure:
         "number": (LINE, np.arange(data.sizes[LINE])),
     }
     draw = partial(_draw_spectra, scale=scale, top=scale * largest or 1.0)
-    return plot_rows(
+    figure = plot_rows(
         data.assign(drawn),
         [draw],
         label=f"tangential amplitude [{unit}]",
         left=f"frequency [{units}]",
     )
+    for axes in figure.axes:
+        lines = {str(line.get_label()): np.array(line.get_xydata()) for line in axes.lines}
+        places = lines.get(MEET, np.zeros((0, 2)))
+        if len(places):
+            labels = Labels(axes)
+            labels.keep_free(*places.T)
+            for x, y in places.tolist():
+                order = round(y / np.interp(x, *lines[FIRST].T))
+                labels.add(x, y, f"{order}Ω", COLOURS["total"], AROUND)
+    return figure
 
 
 def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> QuadMesh:
@@ -133,7 +145,9 @@ def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> Quad
     axes.set_ylim(0.0, float(heights[-1]))
     look: dict[str, Any] = {"color": "black", "linewidth": 0.6, "path_effects": OUTLINE}
     for order in ORDERS:
-        axes.plot(place, order * one["turns"].values, ":", label="engine orders", **look)
+        axes.plot(
+            place, order * one["turns"].values, ":", label=FIRST if order == 1 else "", **look
+        )
     frequency, diameter = (one[name].values for name in NATURAL_MODES)
     lines = excited(frequency, diameter, int(one.attrs["blades"]), ORDERS)
     for line in lines[:, np.isfinite(lines).any(axis=0)].T:
@@ -141,5 +155,5 @@ def _draw_spectra(axes: Axes, one: xr.Dataset, scale: float, top: float) -> Quad
     met = one.isel(resonance=one["resonance_line"].values == int(one["number"]))
     ring: dict[str, Any] = look | {"markersize": 4, "markerfacecolor": "none"}
     names = "resonance_at", "resonance_frequency"
-    axes.plot(*(met[name].values for name in names), "o", label="order and diameter meet", **ring)
+    axes.plot(*(met[name].values for name in names), "o", label=MEET, **ring)
     return picture
