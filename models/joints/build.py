@@ -64,8 +64,11 @@ def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> Jointe
         UserError: blades or forces on them differ, or no load varies with time.
     """
     case, table, rotor = stage.case, stage.table, stage.rotor
-    if any(joint.kind == "wedge" for joint in case.joint):
-        raise UserError("joints: dampers are bodies that only a march has: expected no wedge")
+    if wedges := [joint.name for joint in case.joint if joint.kind == "wedge"]:
+        raise UserError(
+            f'periodic: joint.{wedges[0]}.kind = "wedge": expected "shroud", as dampers are bodies'
+            " that only a march has; use bladewhirl run or sweep"
+        )
     own = table.copies if table.kind != "blade" else 1
     nodes = stage.part.contacts // own
     pairs = joint_nodes(stage)

@@ -1,5 +1,6 @@
 """The friction joints of all blades of a stage, for time integration."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
@@ -7,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder, Excitation
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.joint import Joint
@@ -38,14 +40,8 @@ def with_joints(stage: Stage, problem: ContactProblem) -> ContactProblem:
     case = stage.case
     if not case.joint:
         return problem
-    for key, given in (
-        ("march.speed", case.march.varies),
-        ("blade_loss", case.blade_loss is not None),
-        ("shaft.fuse_force", case.shaft.fuse_force is not None),
-    ):
-        if given:
-            expected = "a constant speed" if key == "march.speed" else "not allowed"
-            raise CaseError([case_fault(case, key, f"{expected} in a march with [[joint]]")])
+    if faults := [case_fault(case, *each) for each in _obstacles(case)]:
+        raise CaseError(faults)
     joints, start = _joint_contacts(
         cast(Matrices, stage), problem
     )  # only superelements have joints
@@ -55,6 +51,39 @@ def with_joints(stage: Stage, problem: ContactProblem) -> ContactProblem:
     problem = replace(problem, rotor=rotor, joints=joints, start=start)
     check_start(stage, problem)
     return problem
+
+
+def _obstacles(case: Case) -> Iterator[tuple[str, str]]:
+    """Yield keys that a march with joints does not allow, and what is expected."""
+    march = case.march
+    if case.blade_loss is not None:
+        yield "blade_loss", "no loss of blades with [[joint]], as pairs of nodes would lose a side"
+    if case.shaft.fuse_force is not None:
+        yield (
+            "shaft.fuse_force",
+            "no value with [[joint]], whose flexibility is that of one support",
+        )
+    if not march.varies:
+        return
+    if march.drive is not None:
+        yield (
+            "march.drive",
+            "a prescribed speed with [[joint]]: march.speed, speed_table or run_up",
+        )
+    if case.rotation.effects != "none":
+        yield (
+            "rotation.effects",
+            '"none" in a march with [[joint]] and a speed that varies, which would change the'
+            " flexibility of the joints",
+        )
+    for number, joint in enumerate(case.joint):
+        if joint.opening_by_speed:
+            yield f"joint.{number}.opening_by_speed", "false with a speed that varies"
+        if joint.kind == "wedge":
+            yield (
+                f"joint.{number}.kind",
+                '"shroud" with a speed that varies, as the force on a damper is that of one speed',
+            )
 
 
 def with_joint_arrays(stage: Stage, problem: ContactProblem) -> StageArrays:

@@ -93,7 +93,10 @@ def at_wall(wheel: JointedWheel, contact: WallContact) -> JointedWheel:
 def obstacles(problem: ContactProblem) -> Iterable[str]:
     """Yield reasons why the rub of all blades does not follow from that of one."""
     if problem.casing.is_flexible:
-        yield 'expected casing.type = "rigid": the waves of a flexible casing are not included'
+        yield (
+            'expected casing.type = "rigid": the waves of a flexible casing are not included; use'
+            " bladewhirl run or sweep"
+        )
     if problem.coating is not None:
         yield "the coating wears, so that no motion is periodic; remove casing.coating"
     if problem.tip_rotation:

@@ -126,7 +126,8 @@ static void free_pairs(const March *m, int64_t step)
     subtract_bodies(joints, s->body.at, out);
     for (int64_t i = 0; i < values; i++)
         s->modal.at[i] = out[i];
-    load_amplitudes(&m->stage.numbers->loads, NULL, NULL, later, s->amplitude.at);
+    Rotation ahead = next_rotation(m->stage.speed, &m->rotation);
+    load_amplitudes(&m->stage.numbers->loads, m->stage.speed, &ahead, later, s->amplitude.at);
     for (int64_t p = 0; p < joints->given.rows; p++)
         for (int64_t i = 0; i < values; i++)
             out[i] += s->amplitude.at[p] * joints->given.at[p * values + i];

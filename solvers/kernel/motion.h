@@ -77,6 +77,16 @@ static inline double fourth(const Speed *s, double square)
     return square * (square + 2.0 * s->base * s->base);
 }
 
+/* Return the rotation on which load patterns at n + 1 depend; `speed` is NULL if it is constant. */
+static inline Rotation next_rotation(const Speed *speed, const Rotation *now)
+{
+    if (!speed)
+        return *now;
+    return (Rotation){.angle = {now->angle[1], now->next},
+                      .square = {now->square[1], now->speed * now->speed - speed->base * speed->base},
+                      .acceleration = now->later};
+}
+
 /* Compute the factor of each load pattern; `speed` is NULL if it is constant. Returns whether any
  * factor is not zero. */
 static inline int load_amplitudes(const Matrix *loads, const Speed *speed, const Rotation *turn,

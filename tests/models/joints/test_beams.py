@@ -177,13 +177,16 @@ def test_a_march_conserves_energy_and_follows_the_balance() -> None:
     assert marched == pytest.approx(float(motion["largest_normal_force"].values[0, 0]), rel=2e-2)
 
 
-def test_a_mirrored_wheel_has_the_mirrored_motion() -> None:
+@pytest.mark.parametrize("last", ["1500 rpm", "1800 rpm"])
+def test_a_mirrored_wheel_has_the_mirrored_motion(last: str) -> None:
+    march = dict.fromkeys(["march.speed", "march.steps_per_revolution", "march.revolutions"])
+    march |= {"march.time_step": 2e-5, "march.duration": 0.08}
     one, other = (
-        march_in_memory(prepare(slipping(**changes)))[0]
+        march_in_memory(prepare(slipping(**march, **changes)))[0]
         for changes in (
-            {},
+            {"march.speed_table": [[0.0, "1500 rpm"], [0.08, last]]},
             {
-                "march.speed": "-1500 rpm",
+                "march.speed_table": [[0.0, "-1500 rpm"], [0.08, f"-{last}"]],
                 "joint.shroud.normal": [-NORMAL[0], NORMAL[1], 0.0],
                 "excitation.phase": "180 deg",
             },

@@ -242,3 +242,49 @@ def test_a_damper_that_is_free_along_the_axis_walks_alike_each_turn(tmp_path: Pa
     assert place[-1 - RECORDS] - place[-1 - 2 * RECORDS] == pytest.approx(walked, rel=0.05)
     held = marched(damped(tmp_path, 1024, 2, 5.0, force="3 N", angle="30 deg"))
     assert not held["damper_displacement"].values[:, :, 2].any()
+
+
+def over_time(given: bw.Case, *speeds: str) -> bw.Case:
+    """A case whose speed goes from one to another in twelve turns of 20 ms."""
+    march = {
+        **dict.fromkeys(["speed", "steps_per_revolution", "revolutions"]),
+        "speed_table": [[0.0, speeds[0]], [0.24, speeds[1]]],
+        "time_step": 0.02 / 1024,
+        "duration": 0.24,
+    }
+    return bw.with_values(given, {f"march.{key}": value for key, value in march.items()})
+
+
+def test_a_speed_over_time_that_is_constant_gives_the_same_march(tmp_path: Path) -> None:
+    given = case(tmp_path, 1024, 12, overclosure=3e-4)
+    one, other = marched(given), marched(over_time(given, "3000 rpm", "3000 rpm"))
+    for name in ("contact_displacement", "joint_force"):
+        size = np.abs(one[name].values).max()
+        assert np.abs(one[name].values - other[name].values).max() < 1e-10 * size
+
+
+def test_a_march_over_a_varying_speed_conserves_energy(tmp_path: Path) -> None:
+    data = marched(over_time(case(tmp_path, 1024, 12, overclosure=3e-4), "2000 rpm", "4000 rpm"))
+    assert data["joint_steps"].values[..., 2].sum() > 1000
+    assert energy_residual(data) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"joint.shroud.opening_by_speed": True}, "opening_by_speed = true: expected false"),
+        ({"rotation.effects": "centrifugal"}, "rotation.effects"),
+        ({"march.drive": {"inertia": 1.0}}, "march.drive"),
+        ({"blade_loss": {"blade": 0, "time": 0.01}}, "blade_loss"),
+    ],
+)
+def test_what_a_march_with_joints_does_not_have_is_refused(
+    tmp_path: Path, changes: dict[str, Any], expected: str
+) -> None:
+    given = case(tmp_path, 1024, 12, preload="300 N")
+    if "blade_loss" not in changes:
+        given = over_time(given, "2000 rpm", "4000 rpm")
+    if "march.drive" in changes:
+        changes = changes | {"march.speed_table": None, "march.speed": "3000 rpm"}
+    with pytest.raises(bw.CaseError, match=expected):
+        prepare(bw.with_values(given, changes))
