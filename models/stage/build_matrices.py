@@ -21,6 +21,7 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.stage.superelement_structure import (
+    LARGE,
     assembled,
     damping_root,
     over_speeds,
@@ -60,6 +61,7 @@ def build_matrices(
     blades: bool = False,
     listed_at: float | None = None,
     diameters: Collection[int] | None = None,
+    condensed_from: int = LARGE,
 ) -> Matrices:
     """Return the stage of a case with a superelement.
 
@@ -69,6 +71,8 @@ def build_matrices(
         blades: whether the stiffness of each of the equal blades of sectors is needed.
         listed_at: speed [rad/s], if of sectors only the modes at rest and at this speed are needed.
         diameters: the only nodal diameters that are needed of equal sectors; all by default.
+        condensed_from: least number of coordinates of a blade or a wheel that is condensed, see
+            `over_speeds`.
 
     Raises:
         CaseError: the superelement cannot be reduced as the case demands.
@@ -96,7 +100,9 @@ def build_matrices(
     if not of_waves:
         name = "free" if case.reduction.boundary == "massless" else "fixed"
         key = f"reduction.{name}_interface_modes"
-    reduced_at = partial(_reduced_at, case, part, factor, omega, blades, listed_at, diameters)
+    reduced_at = partial(
+        _reduced_at, case, part, factor, omega, blades, listed_at, diameters, condensed_from
+    )
     try:
         given, part, reduced = reduced_at(omega, others=other_speeds(case, at_rest))
     except SuperelementError as error:
@@ -143,7 +149,13 @@ def build_matrices(
         factor=copies,
         blade=np.arange(part.contacts) // per_blade,
         reduced_at=lambda speed: reduced_at(speed)[2],
-        build=partial(build_matrices, blades=blades, listed_at=listed_at, diameters=diameters),
+        build=partial(
+            build_matrices,
+            blades=blades,
+            listed_at=listed_at,
+            diameters=diameters,
+            condensed_from=condensed_from,
+        ),
         kept=KeptModes(
             rotor=np.arange(len(copies) * len(reduced.frequency)),
             casing=np.arange(len(ring.reduced_casing.frequency)),
@@ -172,6 +184,7 @@ def _reduced_at(
     blades: bool,
     listed_at: float | None,
     diameters: Collection[int] | None,
+    condensed_from: int,
     omega: float,
     others: Sequence[float] = (),
 ) -> tuple[Superelement, Superelement, ReducedSuperelement]:
@@ -185,6 +198,7 @@ def _reduced_at(
         blades: whether the stiffness of equal blades is needed.
         listed_at: see `wheel_over_speeds`.
         diameters: see `build_matrices`.
+        condensed_from: see `build_matrices`.
         omega: speed [rad/s].
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `massless` and `consistent`.
@@ -204,7 +218,7 @@ def _reduced_at(
         return part, *found
     root, slower, effects = None, list[Superelement](), case.rotation.effects
     if effects != "none":
-        still = over_speeds(case, part, highest)
+        still = over_speeds(case, part, highest, condensed_from)
         part = still.at(omega, effects)
         root = damping_root(case, still, highest)
         slower = [assembled(case, still.at(each, effects)) for each in others]

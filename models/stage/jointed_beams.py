@@ -42,6 +42,10 @@ class JointedBeams(Matrices):
         return self.wheel
 
     @property
+    def over_many_speeds(self) -> "JointedBeams":
+        return self
+
+    @property
     def blade_length(self) -> float:
         return self.disk.model.blade_length
 

@@ -75,6 +75,13 @@ class Matrices(Stage):
         return replace(self, build=partial(build, diameters=diameters))
 
     @property
+    def over_many_speeds(self) -> "Matrices":
+        """The stage for many other speeds, see `at`: a superelement is then condensed for their
+        range, so that it is reduced at each of them in milliseconds."""
+        build: Any = self.build
+        return replace(self, build=partial(build, condensed_from=0))
+
+    @property
     def copies(self) -> int:
         """Number of structures that do not influence each other."""
         return len(self.factor)

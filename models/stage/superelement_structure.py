@@ -86,12 +86,12 @@ def remembered(kept: dict[str, Kept], key: str, compute: Callable[[], Kept]) -> 
     return kept[key]
 
 
-def over_speeds(case: Case, part: Superelement, omega: float) -> Superelement:
-    """Return a large blade or wheel condensed for the `range_of` a speed [rad/s]; other
-    superelements as they are."""
+def over_speeds(case: Case, part: Superelement, omega: float, least: int = LARGE) -> Superelement:
+    """Return a blade or wheel of at least so many coordinates condensed for the `range_of` a speed
+    [rad/s]; other superelements as they are."""
     table, modes = case.bladed_disk.matrices, case.reduction.free_interface_modes
     massless_ends = case.reduction.boundary == "massless"
-    if part.size < LARGE or table.kind == "sector" or not massless_ends or omega == 0.0:
+    if part.size < least or table.kind == "sector" or not massless_ends or omega == 0.0:
         return part
     highest = range_of(omega)
     key = f"{structure_key(case)} {highest}"

@@ -5,7 +5,10 @@ derivatives of the law of `joint_law` at the ends of equal steps, as those of an
 a step the force at its end acts on the modes, which move exactly, and the slip is the change of the
 displacement. In the time T / K, K = N / gcd(N, p), the pattern of the motion moves on to other
 blades; the multipliers of a period T are the K-th powers of the eigenvalues of such a passage. The
-blades of a wheel without cyclic copies are one body, and its passage is a period.
+blades of a wheel without cyclic copies are one body, and its passage is a period. In gcd(N, p)
+groups of K neighbours the motions are the same. The matrix of a passage is then block-circulant in
+these groups: deviations of the first group give all blocks, and its eigenvalues are those of the
+discrete Fourier transforms of the blocks.
 
 Modes that turn by more than `FAST` in a step respond statically. Nodes that are stuck all the time
 keep their static force, which is not unique, see `joints`: deviations of it, with a multiplier of
@@ -42,6 +45,7 @@ class Deviations:
         passages = blades // shared
         self.alike = len(self.wheel.stiffness) == blades
         self.passages = passages if self.alike else 1
+        self.groups = shared if self.alike else 1
         least = RUBBED if self.wheel.rubs else STEPS
         self.instants = passages * -(-least // passages)
         wave = series(self.grid.harmonics, self.instants)
@@ -61,8 +65,9 @@ class Deviations:
         return np.flatnonzero(np.sqrt(np.abs(self.wheel.stiffness[0])) * step <= FAST)
 
     def passage(self) -> FloatArray:
-        """Return the matrix of a passage on the state: modes (unit q, q') of each copy in turn, and
-        the displacements from which joints slip, (states, states)."""
+        """Return the blocks of the matrix of a passage from the state of the first group to those
+        of all: modes (unit q, q') of each copy in turn, and the displacements from which joints
+        slip, (groups, states of a group, states of a group)."""
         wheel, step = self.wheel, self.grid.period / self.instants
         copies, modes, kept = *wheel.stiffness.shape, self._kept
         rows, flexible = wheel.all_blades
@@ -82,8 +87,10 @@ class Deviations:
         scale = np.tile(self.grid.soft, wheel.blades) * np.where(tangential, angle, 1.0)
         before = (tangential & ~self.held[node])[:, None]  # slips are changes of displacements
         within = (static + place @ push) / scale[:, None]
-        size = len(push) + len(rows)
-        state, moved = np.eye(len(push), size), np.eye(len(rows), size, len(push))
+        own = len(push) // self.groups  # states of the modes of a group
+        size = own + len(rows) // self.groups
+        state, moved = np.zeros((len(push), size)), np.zeros((len(rows), size))
+        state[:own, :own], moved[: size - own, own:] = np.eye(own), np.eye(size - own)
         for n in range(1, self.instants // self.passages + 1):
             state = self._carried(carried, state)
             free = (place @ state - np.where(before, moved, 0.0)) / scale[:, None]
@@ -97,7 +104,8 @@ class Deviations:
                 np.roll(each.reshape(wheel.blades, -1, size), self.moved, axis=0).reshape(-1, size)
                 for each in (state, moved)
             )
-        return np.concatenate([state, moved])
+        of_groups = [each.reshape(self.groups, -1, size) for each in (state, moved)]
+        return np.concatenate(of_groups, axis=1)
 
     def _carried(self, carried: FloatArray, state: FloatArray) -> FloatArray:
         of_copies = state.reshape(len(self.wheel.stiffness), len(carried), -1)
@@ -114,5 +122,6 @@ def multipliers(motion: JointMotion) -> ComplexArray:
     """Return the multipliers of all deviations of the blades in a period, the largest first; those
     of displacements without modes are zero or small."""
     deviations = Deviations(motion)
-    values = np.linalg.eigvals(deviations.passage()) ** deviations.passages
+    waves = np.fft.fft(deviations.passage(), axis=0)
+    values = np.linalg.eigvals(waves).ravel() ** deviations.passages
     return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=np.complex128)

@@ -20,9 +20,9 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.joints.design import plot_design
 from bladewhirl.solvers.periodic.contact import NotConverged
-from bladewhirl.solvers.periodic.joint_search import joint_motion, rough_motion
+from bladewhirl.solvers.periodic.joint_search import joint_motion, rough_motion, solve
 from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
-from bladewhirl.solvers.periodic.joints import JointMotion
+from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion
 from bladewhirl.studies.joints.motions import amplitudes_of, check, limits_of, stage_of
 from bladewhirl.studies.modal.response import response
 from bladewhirl.studies.modal.study import Study
@@ -90,12 +90,24 @@ def peak(wheel_at: Callable[[float], JointedWheel], speeds: Sequence[float]) -> 
     rough = _highest(lambda speed: rough_motion(wheel_at(speed), first), (low, high), STEPS[0])
     rough = max(rough, first, key=_largest)
     at, aside = rough.grid.wheel.speed, NEAR * (high - low)
-    fine = _highest(
-        lambda speed: joint_motion(wheel_at(speed), rough, thorough=False),
-        (max(low, at - aside), min(high, at + aside)),
-        STEPS[1],
-    )
+    ends = max(low, at - aside), min(high, at + aside)
+    middle = joint_motion(wheel_at(at), rough, thorough=False)
+    fine = _highest(lambda speed: _beside(middle, wheel_at(speed)), ends, STEPS[1])
+    fine = max(fine, middle, key=_largest)
     return Peak(_largest(fine), fine.grid.wheel.speed, fine, at_speeds, "peak")
+
+
+def _beside(motion: JointMotion, wheel: JointedWheel) -> JointMotion:
+    """Return the motion at a speed beside that of a converged one, with as many harmonics if it is
+    found so.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    try:
+        return solve(motion.on(JointGrid(wheel, motion.grid.harmonics)))
+    except NotConverged:
+        return joint_motion(wheel, motion, thorough=False)
 
 
 def _highest(
@@ -147,7 +159,7 @@ def design(
     """
     if len(speeds) < 3 or values < 3:
         raise UserError(f"branch: {len(speeds)} speeds, {values} points: expected at least 3 each")
-    base = stage_of(parameter.case(case, parameter.start))
+    base = stage_of(parameter.case(case, parameter.start)).over_many_speeds
     reference = base.reference_frequency
     texts = [speed_of(each, f"branch: speeds {each!r}") for each in speeds]
     given = np.unique([each.multiple(reference) * reference for each in texts])

@@ -18,7 +18,7 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING, STUCK
 from bladewhirl.solvers.periodic.joint_search import _errors, _matrix, joint_motion, solve
-from bladewhirl.solvers.periodic.joint_stability import multipliers
+from bladewhirl.solvers.periodic.joint_stability import Deviations, multipliers
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion
 
 MODES, ORDER = 8, 2
@@ -60,15 +60,15 @@ def test_limits_are_linear(
     assert amplitude == pytest.approx(linear(given, held), rel=1e-9)
 
 
-def three_blades(folder: Path, overclosure: float) -> JointedWheel:
+def three_blades(folder: Path, overclosure: float, blades: int = 3, order: int = 1) -> JointedWheel:
     file = folder / "three.npz"
-    bw.write_superelement(file, blade(3))
+    bw.write_superelement(file, blade(blades))
     own = tables(folder, overclosure=overclosure, friction=0.3) | {
-        "bladed_disk": {"superelement": {"file": str(file), "copies": 3}},
+        "bladed_disk": {"superelement": {"file": str(file), "copies": blades}},
         "reduction": {"free_interface_modes": MODES},
         "damping": {"ratio": 0.1},
     }
-    own["excitation"] |= {"order": 1, "amplitude": 20.0}
+    own["excitation"] |= {"order": order, "amplitude": 20.0}
     stage = build_stage(bw.case_from(own))
     assert isinstance(stage, Matrices)
     return jointed_wheel(stage)
@@ -192,6 +192,17 @@ def test_deviations_decay_as_in_a_march(tmp_path: Path) -> None:
     early, late, end = (marched.march(96, periods)[1][:, 0] for periods in (8, 16, 32))
     decay = (np.linalg.norm(late - end) / np.linalg.norm(early - end)) ** (1.0 / 8.0)
     assert largest == pytest.approx(decay, rel=0.03)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_multipliers_of_groups_are_those_of_all_blades(tmp_path: Path, order: int) -> None:
+    motion = joint_motion(three_blades(tmp_path, 1.5e-3, 6, order))
+    assert 0.0 < (motion.states == SLIPPING).mean() < 1.0
+    every = Deviations(motion)
+    assert every.groups == order
+    every.groups = 1
+    whole = np.abs(np.linalg.eigvals(every.passage()[0])) ** every.passages
+    assert np.abs(multipliers(motion)) == pytest.approx(np.sort(whole)[::-1], rel=1e-6, abs=1e-7)
 
 
 def test_a_wheel_in_one_piece_has_the_motion_of_its_blades(tmp_path: Path) -> None:
