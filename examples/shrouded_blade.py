@@ -48,7 +48,7 @@ part = bw.mesh3d(
     joint_left="clockwise",
     joint_right="counter-clockwise",
     joint_nodes=1,
-    stress=False,
+    stress=True,
     name="shrouded blade",
 )
 

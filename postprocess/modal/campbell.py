@@ -34,7 +34,8 @@ CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, 
 BAND: dict[str, Any] = {"linewidth": 4.0, "alpha": 0.35, "solid_capstyle": "round", "zorder": 1}
 FINE = 2001  #: number of speeds at which the frequency of a wave is computed
 MOST_ORDERS = 10  #: highest engine order of a single blade, which all orders excite
-ENDS = 0.9  #: engine orders are labelled beyond this fraction of the width or height of the axes
+ENDS = np.linspace(0.95, 0.98, 3)
+"""Places of the labels of engine orders, divided by the part of the line within the axes."""
 HEADROOM = 1.18  #: highest frequency shown divided by the highest coincidence or mode drawn
 
 
@@ -179,7 +180,7 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
         axes.axvline(own, color=COLOURS["total"], linewidth=0.6, label="speed of the case")
     axes.set(xlim=(low, high), yscale="log" if frame == "static" else "linear")
     axes.set_ylim(*frequency_limits(data, frame))
-    named = [*_draw_waves(axes, data, frame), *_draw_engine_orders(axes, data, frame)]
+    named = [*_draw_engine_orders(axes, data, frame), *_draw_waves(axes, data, frame)]
     if "branch" in data.dims and data["critical_speed"].size:
         critical, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
         height = critical * k if frame == "static" else np.zeros(len(critical))
@@ -257,6 +258,8 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
             linestyle="--" if on_casing else (0, (5, 2)) if forward else "-",
             linewidth=1.2 if first else 0.6,
             zorder=3 if first else 2,
+            gid=f"{wave.body.replace('-', ' ')}, {wave.family}, k = {wave.nodal_diameter}"
+            + f", {wave.direction}" * (turning or on_casing),
             label=label if np.any((low <= y) & (y <= high)) and (on_casing or not forward) else "_",
         )
         if np.any(wave.grows):
@@ -275,20 +278,28 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
     """Draw the lines of engine orders: of those that excite a mode most, of the lowest orders on a
-    single blade, and of resonances; in the
-    static frame only order 1. Yield end points, name and colour of each line."""
+    single blade, and of resonances; in the static frame only order 1. Yield places for the name of
+    each line, the name and its colour."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
-    speed = np.linspace(first, last, 201)
+    speed = np.linspace(first, last, 201)  # a curve on a logarithmic axis
     orders = np.arange(1, MOST_ORDERS + 1) if data.attrs["blades"] == 1 else k[k > 0]
     if "resonance" in data.dims:
         orders = np.concatenate([orders, data["resonance_order"].values])
-    for order in np.unique(orders).tolist() if frame == "rotating" else [1]:
-        y = order * speed
-        axes.plot(speed, y, ":", color="#777777", linewidth=0.6, zorder=1, label="engine orders")
-        end = speed > ENDS * last
-        if frame == "rotating" and y[-1] > ENDS * axes.get_ylim()[1]:
-            end = y > ENDS * axes.get_ylim()[1]
-        yield speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555"
+    drawn = np.unique(orders).tolist() if frame == "rotating" else [1]
+    top, label = axes.get_ylim()[1], f"engine order{'s' * (len(drawn) > 1)} {ranges_of(drawn)}"
+    for order in drawn:
+        look: dict[str, Any] = {"color": "#777777", "linewidth": 0.6, "zorder": 1, "label": label}
+        name, places = f"{order}Ω" if order > 1 else "Ω", ENDS * min(last, top / order)
+        axes.plot(speed, order * speed, ":", gid=name, **look)
+        yield places, order * places, name, "#555555"
+
+
+def ranges_of(numbers: list[int]) -> str:
+    """Return ascending numbers as text, such as "1 to 4, 8"; three or more in turn are a range."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
+    return ", ".join(
+        f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs
+    )
 
 
 def _draw_resonances(axes: Axes, data: xr.Dataset) -> None:

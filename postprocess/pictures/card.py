@@ -40,7 +40,9 @@ FAMILY = 0.05  #: modes whose frequencies differ by less, relatively, are drawn 
 ORDERS = 8  #: the Campbell diagram reaches at least this engine order
 ABOVE = 1.35  #: and this multiple of the lowest frequency
 MOST_ORDERS = 24  #: largest number of lines of engine orders
-EXCITED = 0.1  #: an engine order excites modes in which its nodal diameter has a larger share
+EXCITED = 0.1
+"""An engine order excites modes in which the share of its nodal diameter is a larger fraction of
+the largest share; the modes of separate blades have all nodal diameters."""
 NEAR = 0.1  #: an engine order is near a frequency if they differ by less, relatively
 
 
@@ -93,6 +95,8 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             blades=blade_count(of_first_wheel(result)),
             shown_time=float(result["time"][record]),
             loss_time=loss.time if loss else np.inf,
+            joints=has(result, "joints"),
+            lost_blades=loss.blades if loss else np.zeros(0, dtype=np.int64),
         )
     )
 
@@ -176,8 +180,11 @@ def nearest_order(data: xr.Dataset) -> tuple[int, float, float] | None:
     if not turns or not shown.any():
         return None
     frequency, orders = frequency[shown], np.arange(1, max(2, int(top / turns) + 1))
-    excited = data["diameter_share"].values[shown][:, aliased(orders, data.attrs["blades"])].T
-    apart = np.where(excited > EXCITED, np.abs(orders[:, None] * turns / frequency - 1.0), np.inf)
+    shares = data["diameter_share"].values[shown]
+    excited = (
+        shares[:, aliased(orders, data.attrs["blades"])] > EXCITED * shares.max(axis=1)[:, None]
+    )
+    apart = np.where(excited.T, np.abs(orders[:, None] * turns / frequency - 1.0), np.inf)
     order, mode = np.unravel_index(apart.argmin(), apart.shape)
     if np.isinf(apart[order, mode]):
         return None
@@ -226,8 +233,13 @@ def _draw_clock(axes: Axes, data: xr.Dataset) -> None:
         axes.bar(data["blade_angle"].values, scale * force, width, color=colours)
         numbered = data["blade"].values[:: -(-len(force) // MOST_NUMBERS)]
         axes.set_xticks(data["blade_angle"].values[numbered], map(str, numbered))
-        time = handy(data.attrs["averaged_over"], "s", 3)
-        axes.set_title(f"largest force on each blade [{unit}],\nmean over {time}")
+        title = f"largest force on each blade [{unit}],\n"
+        title += f"mean over {handy(data.attrs['averaged_over'], 's', 3)}"
+        if len(lost := data["blade_angle"].values[data.attrs["lost_blades"]]):
+            rim = axes.get_xaxis_transform()  # the rim is at 1
+            axes.plot(lost, np.full(len(lost), 0.93), "x", color=COLOURS["total"], transform=rim)
+            title += ", ×: lost"
+        axes.set_title(title)
     axes.set(xlim=(0, 2 * np.pi), ylim=(0.0, None if axes.dataLim.ymax > 0 else 1.0))
     axes.set_yticks(axes.get_yticks()[1::2])
     axes.set(rlabel_position=180.0 / len(force) if len(force) > 1 else 22.5)
@@ -291,6 +303,8 @@ def _draw_campbell(axes: Axes, data: xr.Dataset) -> None:
             )
         axes.axvline(60.0 * turns, color=COLOURS["total"], linewidth=0.9)
     near, title = nearest_order(data), "natural frequencies, rotating axes, and the speed"
+    if data.attrs["joints"]:
+        title = title.replace("rotating axes", "without joints, rotating axes")
     if data.sizes["blade"] > 1:
         title += "\nbands: families with all nodal diameters"
     if near is not None:

@@ -110,7 +110,8 @@ def _curves(axes: Axes) -> Iterator[dict[str, Any]]:
     found: list[tuple[str, Array]] = []
     for line in axes.lines:
         if line.get_transform() == axes.transData:
-            found.append((str(line.get_label()), np.asarray(line.get_xydata(), dtype=np.float64)))
+            name = line.get_gid() or line.get_label()  # one of several lines of a label
+            found.append((str(name), np.asarray(line.get_xydata(), dtype=np.float64)))
     for marks in axes.collections:
         if isinstance(marks, PathCollection):
             found.append((str(marks.get_label()), np.ma.filled(marks.get_offsets(), np.nan)))

@@ -60,9 +60,12 @@ def _glance(data: xr.Dataset) -> Iterator[tuple[str, str, str]]:
     yield "ω₁", f"{hertz:.5g} Hz", "lowest frequency of the bladed disk, free centre"
     if "branch" not in data.dims:
         return
-    parts = (data[f"critical_{part}"].values for part in ("speed", "nodal_diameter", "family"))
-    for speed, k, family in zip(*parts, strict=True):
-        remark = f"{60 * hertz * speed:.1f} rpm, {family}, k = {k}"
+    names = "speed", "nodal_diameter", "family_at_rest", "family"
+    parts = (data[f"critical_{name}"].values for name in names)
+    for speed, k, at_rest, family in zip(*parts, strict=True):
+        remark = f"{60 * hertz * speed:.1f} rpm, {at_rest} at rest, k = {k}"
+        if family != at_rest:
+            remark += f"; most of its strain energy there is that of the {family}"
         yield "critical speed", f"{speed:.4f} ω₁", remark
     gone = float(data.attrs["clearance_gone"])
     yield "clearance at rest used up", f"{gone:.4f} ω₁", f"{60.0 * hertz * gone:.1f} rpm"

@@ -15,7 +15,7 @@ from bladewhirl.postprocess.plotting.figures import Figures
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.run_up import amplitude_over_speed
+from bladewhirl.postprocess.run.run_up import amplitude_over_speed, excited_critical_speeds
 from bladewhirl.postprocess.run.sensor_figures import sensor_spectra
 from bladewhirl.postprocess.run.sensors import sensors_of, signals
 from bladewhirl.postprocess.run.stresses import stress_history
@@ -75,8 +75,9 @@ class RunFigures(Figures):
     @property
     def waterfall(self) -> xr.Dataset:
         """Waterfall of the shaft, or of a tip, over the speed."""
-        orbit = self._orbit_of_shaft
-        return tip_waterfall(self.result) if orbit is None else shaft_waterfall(orbit)
+        orbit, critical = self._orbit_of_shaft, excited_critical_speeds(self.result)
+        data = tip_waterfall(self.result) if orbit is None else shaft_waterfall(orbit)
+        return data.assign(critical_speed=("critical", critical, {"units": "rad/s"}))
 
     @property
     def _orbit_of_shaft(self) -> xr.Dataset | None:

@@ -12,7 +12,7 @@ from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import contact_motion
-from bladewhirl.postprocess.fields.kinematics import smallest_clearance, table_of_result
+from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance, table_of_result
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
@@ -72,9 +72,6 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
     if table_of_result(result, "rotation", Rotation).clearance == "cold":
         share = (speed / float(result.attrs["speed"])) ** 2  # of the growth that is stored
         clearance += float(result["tip_growth"].max()) * (1.0 - share)
-    forward = np.zeros(0)
-    if has(result, "critical"):
-        forward = result["critical_speed"].values[result["critical_whirl"].values != "backward"]
     return labelled(
         result,
         "displacement and contact force over the speed",
@@ -85,11 +82,20 @@ def amplitude_over_speed(result: xr.Dataset, orbit: xr.Dataset | None = None) ->
             "rising": ("time", change, "1"),
             "touches": ("time", touches, "1"),
             "clearance": ("time", clearance, "m"),
-            "critical_speed": ("critical", forward, "rad/s"),
+            "critical_speed": ("critical", excited_critical_speeds(result), "rad/s"),
         },
         {"time": result["time"].values},
         moves="tips" if orbit is None and not of_line else "shaft",
     )
+
+
+def excited_critical_speeds(result: xr.Dataset) -> Array:
+    """Return the critical speeds at which the shaft whirls forward or in an ellipse [rad/s], none
+    if they are not known."""
+    if not has(result, "critical"):
+        return np.zeros(0)
+    speeds, whirl = (result[f"critical_{name}"].values for name in ("speed", "whirl"))
+    return np.asarray(speeds[whirl != "backward"])
 
 
 @styled

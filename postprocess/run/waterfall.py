@@ -14,7 +14,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced
 from bladewhirl.postprocess.plotting.axes import draw_decades
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, OUTLINE, new_figure, styled
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, OUTLINE, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.sensor_figures import ORDERS, over_time
 from bladewhirl.postprocess.run.sensors import shown_unit
@@ -162,7 +163,8 @@ def _windows(result: xr.Dataset, motion: Complex, step: float, time: Array) -> M
 @styled
 def plot_waterfall(data: xr.Dataset) -> Figure:
     """Draw the waterfall of the shaft, of a tip, or of sensors: frequency against speed with
-    logarithmic colours and lines of orders; rising and falling speed in panels of their own."""
+    logarithmic colours, lines of orders and, if the data have them, critical speeds; rising and
+    falling speed in panels of their own."""
     names = [str(name) for name, values in data.items() if len(values.dims) == 2]
     senses = [
         sense
@@ -184,12 +186,23 @@ def plot_waterfall(data: xr.Dataset) -> Figure:
             chosen = np.flatnonzero(rising == sense)
             _draw(axes, np.abs(speed[chosen]), hertz, scale * values.values[:, chosen], top)
             axes.set_title(f"{name}, {SENSES[sense]}")
+            _draw_critical(axes, data)
         row[0].set_ylabel("frequency [Hz]")
         figure.colorbar(row[-1].collections[0], ax=row.tolist(), label=f"amplitude [{unit}]")
     for axes in panels[-1]:
         axes.set_xlabel("speed [rpm]")
     head(figure, data, *(FRAMES[name] for name in names if name in FRAMES))
+    legends_below(figure, Group(entries_of(*panels.flat)))
     return figure
+
+
+def _draw_critical(axes: Axes, data: xr.Dataset) -> None:
+    """Draw the critical speeds within the speeds of a panel."""
+    low, high = axes.get_xlim()
+    for speed in RPM * data["critical_speed"].values if "critical_speed" in data else ():
+        if low <= speed <= high:
+            look: dict[str, Any] = {"color": COLOURS["suspension"], "path_effects": OUTLINE}
+            axes.axvline(speed, label="critical speed", linewidth=0.9, **look)
 
 
 def _of(data: xr.Dataset, name: str, part: str) -> str:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from legible import assert_legible
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Rectangle, StepPatch
@@ -12,7 +13,7 @@ from three_runs import KINDS, Kind, run_of
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.modal import modal_model
 from bladewhirl.postprocess.fields.kinematics import contact_forces
-from bladewhirl.postprocess.pictures.card import card, nearest_order, verdict
+from bladewhirl.postprocess.pictures.card import card, nearest_order, plot_card, verdict
 from bladewhirl.postprocess.plotting.style import at_width, save_figure
 from bladewhirl.postprocess.run.extremes import largest_force
 from bladewhirl.postprocess.run.figures import RunFigures
@@ -112,3 +113,29 @@ def test_a_run_without_contact_says_so() -> None:
     figure, data = RunFigures(run.assign(none)).draw("card")
     assert verdict(data).startswith("No contact: the smallest gap is")
     assert_legible(figure)
+
+
+def test_each_order_excites_separate_blades() -> None:
+    """Modes of one of 24 blades have all nodal diameters in nearly equal shares."""
+    shares = np.full((1, 13), 2.0 / 24.0)
+    shares[0, [0, 12]] = 1.0 / 24.0
+    data = xr.Dataset(
+        {
+            "mode_frequency": ("mode", [248.0]),
+            "diameter_share": (("mode", "nodal_diameter"), shares),
+        },
+        attrs={"speed": 2.0 * np.pi * 83.0, "blades": 24},
+    )
+    near = nearest_order(data)
+    assert near == (3, 248.0, pytest.approx(249.0 / 248.0 - 1.0))
+
+
+def test_lost_blades_are_crossed_out_on_the_clock() -> None:
+    run = run_of("beams")
+    figures = RunFigures(run)
+    data = card(run, figures.known_stresses, figures.energies)
+    figure = plot_card(data.assign_attrs(lost_blades=np.array([2]), loss_time=0.01))
+    clock = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"][CLOCK]
+    (cross,) = (line for line in clock.lines if line.get_marker() == "x")
+    np.testing.assert_allclose(cross.get_xdata(), data["blade_angle"].values[2])
+    assert clock.get_title().endswith("×: lost")

@@ -183,6 +183,12 @@ def test_the_waterfall_has_the_orders_of_a_vibration(through: xr.Dataset) -> Non
     top = data["speed"].values.argmax()
     assert (data["rising"].values[: top - 2] == 1).all()
     assert (data["rising"].values[top + 2 :] == -1).all()
+    critical = through["critical_speed"].values[through["critical_whirl"].values != "backward"]
+    for axes in figure.axes[:2]:
+        marks = [line for line in axes.lines if line.get_label() == "critical speed"]
+        low, high = axes.get_xlim()
+        inside = [rpm for rpm in 30.0 / np.pi * critical if low <= rpm <= high]
+        assert [np.asarray(mark.get_xdata())[0] for mark in marks] == inside != []
 
 
 def test_the_waterfall_of_a_probe_has_the_order_of_the_imbalance(through: xr.Dataset) -> None:
