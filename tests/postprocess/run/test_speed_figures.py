@@ -183,12 +183,20 @@ def test_the_waterfall_has_the_orders_of_a_vibration(through: xr.Dataset) -> Non
     top = data["speed"].values.argmax()
     assert (data["rising"].values[: top - 2] == 1).all()
     assert (data["rising"].values[top + 2 :] == -1).all()
-    critical = through["critical_speed"].values[through["critical_whirl"].values != "backward"]
+
+
+def test_the_waterfall_marks_speeds_at_which_an_imbalance_excites(through: xr.Dataset) -> None:
+    """A backward critical speed, and one beyond the windows, have no line."""
+    rpm = np.array([6000.0, 7000.0, 20000.0])
+    marked = through.drop_dims("critical_speed").assign(
+        critical_speed=("critical_speed", rpm * np.pi / 30.0),
+        critical_whirl=("critical_speed", ["backward", "elliptic", "forward"]),
+    )
+    figure, _ = RunFigures(marked).draw("waterfall")
     for axes in figure.axes[:2]:
-        marks = [line for line in axes.lines if line.get_label() == "critical speed"]
-        low, high = axes.get_xlim()
-        inside = [rpm for rpm in 30.0 / np.pi * critical if low <= rpm <= high]
-        assert [np.asarray(mark.get_xdata())[0] for mark in marks] == inside != []
+        lines = [line for line in axes.lines if line.get_label() == "critical speed"]
+        np.testing.assert_allclose([np.asarray(line.get_xdata()) for line in lines], [[7000.0] * 2])
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["critical speed"]
 
 
 def test_the_waterfall_of_a_probe_has_the_order_of_the_imbalance(through: xr.Dataset) -> None:
