@@ -72,7 +72,7 @@ def wheel_on_line(folder: Path, **line: Any) -> LineModel:
     return line_model(case_from(case | {"shaft_line": table}), 2000.0)
 
 
-@pytest.mark.parametrize("wheel", [False, True])
+@pytest.mark.parametrize("wheel", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_without_other_damping_growth_begins_at_the_first_critical_speed(
     wheel: bool, tmp_path: Path
 ) -> None:

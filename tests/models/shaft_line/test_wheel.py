@@ -70,7 +70,10 @@ def case_of(folder: Path, part: Any, omega: float = 0.0, **line: Any) -> Case:
     )
 
 
-@pytest.mark.parametrize(("kind", "omega"), [("sector", 0.0), ("wheel", 300.0), ("sector", 900.0)])
+@pytest.mark.parametrize(
+    ("kind", "omega"),
+    [("sector", 0.0), pytest.param("wheel", 300.0, marks=pytest.mark.slow), ("sector", 900.0)],
+)
 def test_a_fan_whirls_as_in_the_whole_rotor(kind: str, omega: float, tmp_path: Path) -> None:
     """Nodal diameters 0 and 1 with blades, damped bearings and an axial spring."""
     line = line_model(case_of(tmp_path, fan(kind), omega))
@@ -97,7 +100,11 @@ UNEQUAL = [
 ]
 
 
-@pytest.mark.parametrize("bearings", [LINE["bearings"], UNEQUAL], ids=["round", "unequal"])
+@pytest.mark.parametrize(
+    "bearings",
+    [pytest.param(LINE["bearings"], marks=pytest.mark.slow), UNEQUAL],
+    ids=["round", "unequal"],
+)
 def test_rotor_of_a_stiff_thin_wheel_is_that_of_a_rigid_disk(bearings: Any, tmp_path: Path) -> None:
     def disk(place: Any) -> Any:
         r, theta = 0.03 + 0.17 * place[:, 0], 2.0 * np.pi / SECTORS * place[:, 1]

@@ -87,7 +87,10 @@ def test_limits_are_linear(tmp_path: Path, joint: dict[str, Any], held: list[int
 
 
 @pytest.mark.parametrize("factors", [(), (1.1, 0.95, 1.02)], ids=["tuned", "mistuned"])
-@pytest.mark.parametrize("overclosure", [1.2e-3, 5e-4, 3e-4])
+@pytest.mark.parametrize(
+    "overclosure",
+    [*(pytest.param(each, marks=pytest.mark.slow) for each in (1.2e-3, 5e-4)), 3e-4],
+)
 def test_a_motion_is_that_of_an_independent_march(
     tmp_path: Path, overclosure: float, factors: tuple[float, ...]
 ) -> None:
@@ -138,6 +141,7 @@ def test_a_tuned_wheel_moves_as_the_periodic_motion_of_one_blade(
     assert steps[2] > slipping * steps.sum()
 
 
+@pytest.mark.slow
 def test_a_motion_that_has_no_finer_one_is_compared_with_a_coarser_one(tmp_path: Path) -> None:
     given = case(tmp_path, 2048, 1, {"excitation": {"amplitude": 20.0}}, overclosure=3e-4)
     stage = build_stage(given)
@@ -210,7 +214,9 @@ def test_a_light_damper_that_sticks_ties_the_blades(tmp_path: Path) -> None:
     assert energy_residual(data) < 1e-9
 
 
-@pytest.mark.parametrize(("force", "friction"), [(2.0, 0.3), (8.0, 0.15)])
+@pytest.mark.parametrize(
+    ("force", "friction"), [(2.0, 0.3), pytest.param(8.0, 0.15, marks=pytest.mark.slow)]
+)
 def test_dampers_with_mass_move_as_in_an_independent_march(
     tmp_path: Path, force: float, friction: float
 ) -> None:

@@ -87,7 +87,7 @@ def test_a_motion_is_that_of_a_march_of_all_blades(tmp_path: Path, overclosure: 
     assert (found.states == OPEN).any() == (overclosure < 4e-4)
 
 
-@pytest.mark.parametrize("overclosure", [8e-4, 3e-4])
+@pytest.mark.parametrize("overclosure", [pytest.param(8e-4, marks=pytest.mark.slow), 3e-4])
 def test_a_wave_is_a_march_of_all_blades_at_equal_instants(
     tmp_path: Path, overclosure: float
 ) -> None:
@@ -184,6 +184,7 @@ def test_multipliers_of_free_blades_are_those_of_their_modes(tmp_path: Path, sig
     assert found[: 14 * len(slow)] == pytest.approx(np.repeat(slow, 14), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_deviations_decay_as_in_a_march(tmp_path: Path) -> None:
     overclosure = 8e-4
     given = three_blades(tmp_path, overclosure)

@@ -55,7 +55,11 @@ def moved_by(result: Any) -> Array:
 
 @pytest.mark.parametrize(
     ("kind", "copies", "boundary"),
-    [("blade", 2, "massless"), ("sector", 12, "massless"), ("blade", 2, "consistent")],
+    [
+        ("blade", 2, "massless"),
+        pytest.param("sector", 12, "massless", marks=pytest.mark.slow),
+        ("blade", 2, "consistent"),
+    ],
 )
 def test_every_output_of_a_held_speed_is_that_of_the_constant_speed(
     parts: Path, kind: str, copies: int, boundary: str
@@ -112,6 +116,7 @@ def test_every_output_of_a_held_speed_is_that_of_the_constant_speed(
     apart(*(each["damping_work"].values[:, None] for each in (held, constant)))
 
 
+@pytest.mark.slow
 def test_a_run_up_of_a_blade_is_that_of_all_unknowns(parts: Path) -> None:
     """Newmark on all unknowns with the matrices and the loads of every instant."""
     part: Any = bw.read_superelement(parts / "blade.npz")

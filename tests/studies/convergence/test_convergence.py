@@ -109,7 +109,13 @@ def test_default_time_steps_and_modes() -> None:
         assert default_time_steps(build_stage(small(more))) == pytest.approx(steps)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(each, marks=pytest.mark.slow) if each in ("blade", "sector") else each
+        for each in KINDS
+    ],
+)
 def test_every_stage_converges(kind: Kind, tmp_path: Path) -> None:
     """A stage of beams and its superelement depend on the time step in the same way."""
     march = {"speed": "1200 rpm", "time_step": 2e-6, "record_step": 1e-4, "duration": 0.01}

@@ -60,7 +60,7 @@ def test_a_damped_resonance_is_named_by_its_peak() -> None:
 @pytest.mark.parametrize(
     ("effects", "shaft"),
     [
-        ("none", None),
+        pytest.param("none", None, marks=pytest.mark.slow),
         pytest.param("centrifugal", None, marks=pytest.mark.slow),
         ("full", None),
         ("none", DAMPED),
@@ -90,6 +90,7 @@ def test_patterns_of_beams_have_the_amplification_of_their_responses(
         assert (data["amplification"] < data.attrs["whitehead_bound"]).all()
 
 
+@pytest.mark.slow
 def test_patterns_of_an_exported_sector_have_the_amplification_of_their_responses(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

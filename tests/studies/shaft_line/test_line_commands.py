@@ -192,6 +192,7 @@ def test_modes_of_a_fan_on_its_shaft_are_listed_and_drawn(fan: Path, tmp_path: P
     assert loads == pytest.approx(9.81 * derived["mass"], rel=1e-4)  # blades are displaced
 
 
+@pytest.mark.slow
 def test_the_response_of_a_fan_peaks_at_its_forward_critical_speed(
     fan: Path, tmp_path: Path
 ) -> None:
