@@ -37,7 +37,7 @@ STEPS, WIDTH, NEAR = (25, 10), 2e-3, 0.1
 accuracy as a share of the range, and half the range of the latter as a share of the former."""
 OPTIMUM_STEPS, OPTIMUM_WIDTH = 12, 0.02
 """The same for the value with the smallest peak."""
-EQUAL = 1e-4  #: relative difference up to which peaks are equal, as those of joints that stick are
+FLAT = 1e-3  #: relative difference of peaks up to which none is the smallest
 
 COLUMNS = (
     Column("parameter", "value", ".6g"),
@@ -191,11 +191,9 @@ def design(
         if progress is not None:
             progress(done / values, done)
     least = grid.index(min(grid, key=lambda value: peaks[value].amplitude))
-    if 0 < least < values - 1:
-        beside = [grid[least - 1], grid[least + 1]]
-        most = max(peaks[value].amplitude for value in beside)
-        if most > (1.0 + EQUAL) * peaks[grid[least]].amplitude:
-            _add_near(peaks, peak_at, sorted(beside), _by_ratio(parameter))
+    highest = max(each.amplitude for each in peaks.values())
+    if 0 < least < values - 1 and peaks[grid[least]].amplitude < (1.0 - FLAT) * highest:
+        _add_near(peaks, peak_at, sorted((grid[least - 1], grid[least + 1])), _by_ratio(parameter))
     return _dataset(case, parameter, peaks, omegas, wheel_at(grid[0]), reference)
 
 
