@@ -19,7 +19,7 @@ from functools import cached_property
 from math import gcd
 
 import numpy as np
-import scipy.linalg as la
+import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.joints.wheel import DIRECTIONS
@@ -87,9 +87,11 @@ class Deviations:
         scale = np.tile(self.grid.soft, wheel.blades) * np.where(tangential, angle, 1.0)
         before = (tangential & ~self.held[node])[:, None]  # slips are changes of displacements
         within = (static + place @ push) / scale[:, None]
-        own = len(push) // self.groups  # states of the modes of a group
+        if self.alike:  # a joint has two blades
+            place, push = sp.csr_array(place), sp.csr_array(push)
+        own = push.shape[0] // self.groups  # states of the modes of a group
         size = own + len(rows) // self.groups
-        state, moved = np.zeros((len(push), size)), np.zeros((len(rows), size))
+        state, moved = np.zeros((push.shape[0], size)), np.zeros((len(rows), size))
         state[:own, :own], moved[: size - own, own:] = np.eye(own), np.eye(size - own)
         for n in range(1, self.instants // self.passages + 1):
             state = self._carried(carried, state)
@@ -115,13 +117,19 @@ class Deviations:
         """Return the derivatives of the law of all joints at an instant."""
         at = n + self.shift * np.arange(self.wheel.blades)
         every = self.slope[at % self.instants].reshape(-1, DIRECTIONS, DIRECTIONS)
-        return np.asarray(la.block_diag(*every))
+        node, size = np.arange(len(every)), DIRECTIONS * len(every)
+        found = np.zeros((len(every), DIRECTIONS, len(every), DIRECTIONS))
+        found[node, :, node] = every
+        return found.reshape(size, size)
 
 
 def multipliers(motion: JointMotion) -> ComplexArray:
     """Return the multipliers of all deviations of the blades in a period, the largest first; those
     of displacements without modes are zero or small."""
     deviations = Deviations(motion)
-    waves = np.fft.fft(deviations.passage(), axis=0)
-    values = np.linalg.eigvals(waves).ravel() ** deviations.passages
+    waves = np.fft.rfft(deviations.passage(), axis=0)
+    of_waves = [np.linalg.eigvals(each) for each in waves]
+    for k in range(1, (deviations.groups + 1) // 2):  # waves in the other direction
+        of_waves.append(of_waves[k].conj())
+    values = np.concatenate(of_waves) ** deviations.passages
     return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=np.complex128)

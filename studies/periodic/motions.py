@@ -30,6 +30,8 @@ from bladewhirl.studies.runs.columns import Column, quantity, rows_of, table
 MOST_PERIODS = 32
 """Largest number of periods of the wall in a period of the motion; 1000 need 12 GiB."""
 
+MANY = 8  #: number of speeds from which on a bladed disk with joints is condensed for all of them
+
 HARMONICS = 32  #: number of harmonics in the Dataset, with the mean
 
 COLUMNS = (
@@ -142,7 +144,7 @@ def periodic(
     for done, each in enumerate(given, 1):
         speed = speed_of(each, f"periodic: speeds {each!r}")
         own = corotating.without_steps(with_values(stage, {"march.speed": speed.given}))
-        at_speed = joints.stage_of(own, of_all[-1].stage) if of_all else build_stage(own)
+        at_speed = _stage_of(own, of_all, len(given))
         reference = at_speed.reference_frequency
         problem = contact_problem(at_speed, steps=False)
         rests = not stage.joint and corotating.is_corotating(problem)
@@ -171,6 +173,14 @@ def periodic(
     else:
         raise UserError(*failures)
     return data.assign_attrs(failures="\n".join(failures))
+
+
+def _stage_of(case: Case, before: Sequence[joints.Found], speeds: int) -> Stage:
+    """Return the stage of a case at one of several speeds, after motions at other ones."""
+    if not before:
+        return build_stage(case)
+    like = before[-1].stage
+    return joints.stage_of(case, like.over_many_speeds if speeds >= MANY else like)
 
 
 def nodes_of(stage: Stage, blade: int) -> Stage:
