@@ -21,16 +21,9 @@ from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joint_search import branch as followed
 from bladewhirl.solvers.periodic.joint_search import joint_motion
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion, common_order
-from bladewhirl.studies.joints.motions import (
-    beyond,
-    check,
-    dataset,
-    hints,
-    reaches,
-    rows_of,
-    rubbing_wheel,
-    shown_columns,
-)
+from bladewhirl.studies.joints.dataset import dataset
+from bladewhirl.studies.joints.motions import beyond, check, reaches, rubbing_wheel
+from bladewhirl.studies.joints.rows import hints, rows_of, shown_columns
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.runs.columns import Column, table
 from bladewhirl.studies.sweeps.parameter import Parameter

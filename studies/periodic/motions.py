@@ -21,6 +21,8 @@ from bladewhirl.solvers.periodic.blade import Blade
 from bladewhirl.solvers.periodic.contact import Motion, NotConverged
 from bladewhirl.solvers.periodic.search import LEAST_INSTANTS, periodic_motion
 from bladewhirl.studies.joints import motions as joints
+from bladewhirl.studies.joints.dataset import dataset as dataset_of_joints
+from bladewhirl.studies.joints.rows import report as report_of_joints
 from bladewhirl.studies.modal.study import Study
 from bladewhirl.studies.periodic import corotating, fine_stability
 from bladewhirl.studies.periodic.figures import drawn, plot_periodic
@@ -165,7 +167,7 @@ def periodic(
         if progress is not None:
             progress(done, len(given))
     if of_all:
-        data = joints.dataset(stage, joints.alike(of_all), reference)
+        data = dataset_of_joints(stage, joints.alike(of_all), reference)
     elif constant:
         data = corotating.dataset(at_speed, constant)
     elif solutions:
@@ -341,7 +343,7 @@ def report(data: xr.Dataset) -> Study:
     """Return the document, table and figure of `periodic`; multipliers in the document are pairs of
     real and imaginary part, the largest first."""
     if "joint" in data.dims:
-        return joints.report(data, failures(data))
+        return report_of_joints(data, failures(data))
     if "normal_force" in data:
         return corotating.report(data, failures(data))
     values = data["multipliers"].values

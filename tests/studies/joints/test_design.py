@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import bladewhirl as bw
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.studies.joints.design import peak
+from bladewhirl.studies.joints.peaks import peak
 from bladewhirl.studies.verification.joints import RATIO, SOFT, oscillator
 
 

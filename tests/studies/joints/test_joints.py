@@ -17,7 +17,8 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.periodic import joint_search
 from bladewhirl.solvers.periodic.contact import NotConverged
 from bladewhirl.solvers.periodic.joints import JointMotion
-from bladewhirl.studies.joints.motions import alike, dataset, found_at, rubbing_wheel
+from bladewhirl.studies.joints.dataset import dataset
+from bladewhirl.studies.joints.motions import alike, found_at, rubbing_wheel
 from bladewhirl.studies.runs.run import resume
 
 
