@@ -5,9 +5,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.joints.curves import DASHES, some_of
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
-    COLOUR_MAPS,
     COLOURS,
     FULL_WIDTH,
     new_figure,
@@ -16,7 +16,6 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import set_title
 
-DASHES = ("-", "--", ":")  #: lines of the limits free, closed without friction, stuck
 SHOWN = 6  #: largest number of values whose amplitudes over the speed are drawn
 
 
@@ -29,9 +28,8 @@ def plot_design(data: xr.Dataset) -> Figure:
     values, key, unit = data["value"].values, data.attrs["key"], data.attrs["unit"]
     limits = data["linear_limit"]
     length, scale = handy_unit(float(data["peak_amplitude"].max()), "m")
-    chosen = np.unique(np.linspace(0, len(values) - 1, SHOWN).round().astype(int))
-    shades = COLOUR_MAPS["line"](np.linspace(0.0, 1.0, len(chosen)))
-    for n, shade in zip(chosen.tolist(), shades, strict=True):
+    chosen = some_of(len(values), SHOWN)
+    for n, shade in chosen:
         label = f"{values[n]:.4g} {unit}".rstrip()
         curves.plot(data["rpm"], scale * data["amplitude"].values[n], color=shade, label=label)
     for name, dashes in zip(data["limit"].values.tolist(), DASHES, strict=True):
@@ -48,7 +46,7 @@ def plot_design(data: xr.Dataset) -> Figure:
         peaks.set_xscale("log")
     for axes in (curves, peaks):
         axes.set(yscale="log", ylabel=f"amplitude [{length}]")
-    lowest = np.nanmin(data["amplitude"].values[chosen])
+    lowest = np.nanmin(data["amplitude"].values[[n for n, _ in chosen]])
     curves.set_ylim(0.5 * scale * lowest, 1.5 * scale * float(limits.max()))
     curves.set_xlabel("speed [rpm]")
     peaks.set_xlabel(f"{key} [{unit or '–'}]")

@@ -7,10 +7,10 @@ from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.postprocess.joints.curves import DASHES, some_of
 from bladewhirl.postprocess.plotting.axes import blade_axis, draw_states
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
-    COLOUR_MAPS,
     COLOURS,
     FULL_WIDTH,
     new_figure,
@@ -31,13 +31,13 @@ def plot_joints(data: xr.Dataset) -> Figure:
     figure = new_figure(width=FULL_WIDTH, height=0.07)
     loops, states, curve = side_by_side(figure, 3)
     order = np.argsort(data["rpm"].values, kind="stable")
-    chosen = np.unique(np.linspace(0, len(order) - 1, SHOWN).round().astype(int))
+    chosen = some_of(len(order), SHOWN)
     first = data.isel(joint_node=0)
     moved, force = first["relative_displacement"].values[..., 1:], first["tangential_force"].values
     around = [*range(data.sizes["instant"]), 0]
-    unit, scale = handy_unit(float(np.abs(moved[order[chosen]]).max()), "m")
-    shades = COLOUR_MAPS["line"](np.linspace(0.0, 1.0, len(chosen)))
-    for n, shade in zip(order[chosen].tolist(), shades, strict=True):
+    shown = [int(order[place]) for place, _ in chosen]
+    unit, scale = handy_unit(float(np.abs(moved[shown]).max()), "m")
+    for n, (_, shade) in zip(shown, chosen, strict=True):
         main = int(np.ptp(moved[n], axis=0).argmax())
         place, label = scale * moved[n, around, main], f"{float(data['rpm'][n]):.6g} rpm"
         loops.plot(place, force[n, around, main], color=shade, label=label)
@@ -74,7 +74,7 @@ def _draw_amplitudes(axes: Axes, data: xr.Dataset, over: FloatArray, style: str)
         axes.plot(over, scale * values, style, label=f"{data.attrs['points']} {number}")
     axes.set(ylabel=f"amplitude [{unit}]")
     limits = data["linear_limit"].isel(point=0)
-    for name, dashes in zip(data["limit"].values.tolist(), ("-", "--", ":"), strict=True):
+    for name, dashes in zip(data["limit"].values.tolist(), DASHES, strict=True):
         values = scale * limits.sel(limit=name).values
         axes.plot(over, values, dashes, color=COLOURS["rest"], zorder=1, label=name)
     lost = ~data["stable"].values
