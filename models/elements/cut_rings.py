@@ -64,12 +64,16 @@ def _with_axial(disk: BladedDiskModel, flat: Superelement, ends: IntArray) -> Su
     own |= {key: np.append(load, np.zeros(count)) for key, load in flat.given(flat.LOADS).items()}
     dofs = flat.contact_dofs.reshape(len(ends), -1, DIRECTIONS).copy()
     dofs[:, 1:, -1] = size + np.arange(count).reshape(ends.shape)
+    number = 1 + np.arange(ends.shape[1])  # of the ends on the first blade, after its tip
     still = sp.csr_array((DIRECTIONS * flat.point_count, count))
     return replace(
         flat,
         **own,
         contact_dofs=dofs.reshape(-1, DIRECTIONS),
         recovery=sp.csr_array(sp.hstack([flat.recovery, still])),
+        joint_left=number[::2],
+        joint_right=number[1::2],
+        sectors=len(ends),
     )
 
 

@@ -4,7 +4,7 @@ contact nodes."""
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -40,6 +40,16 @@ class JointedBeams(Matrices):
     @property
     def table(self) -> WheelOfBeams:
         return self.wheel
+
+    def to_superelement(self, kind: Literal["wheel", "sector", "blade"] = "wheel") -> Superelement:
+        """Return the wheel, see `WheelOfBeams.part`, without the springs of the shaft.
+
+        Raises:
+            SuperelementError: the kind is not "wheel".
+        """
+        if kind != "wheel":
+            raise SuperelementError(f"expected no [[joint]] for a {kind} of beams")
+        return self.wheel.part
 
     @property
     def over_many_speeds(self) -> "JointedBeams":

@@ -1,5 +1,6 @@
 """Joints of beams whose shrouds are cut, against beams assembled in NumPy."""
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -237,3 +238,23 @@ def test_modes_of_blades_of_the_same_frequency_are_orthonormal() -> None:
     assert shapes is not None
     unit = shapes.T @ (mass @ shapes)
     assert np.abs(unit - np.eye(len(unit))).max() < 1e-9
+
+
+def test_an_exported_wheel_has_the_same_joints(tmp_path: Path) -> None:
+    given = slipping()
+    stage = build_stage(given)
+    file = tmp_path / "wheel.npz"
+    bw.write_superelement(file, stage.to_superelement())
+    with pytest.raises(bw.UserError, match=r"\[\[joint\]\]"):
+        stage.to_superelement("blade")
+    omega = stage.speed / (2.0 * np.pi)
+    other = bw.with_values(
+        given,
+        {
+            "bladed_disk": {"superelement": {"file": str(file)}},
+            "march.speed": f"{omega!r} Hz",
+            "shaft.clamped": None,
+        },
+    )
+    one, two = (march_in_memory(prepare(each))[0]["joint_force"].values for each in (given, other))
+    assert np.abs(one - two).max() < 1e-6 * np.abs(one).max()
