@@ -12,8 +12,9 @@ A comment on the line above a block has these effects:
 numbers in the text remain those of the blocks.
 
 A short run of a page shows that its blocks work: commands march at most `SHORT`, except where the
-speed follows a table, sweep two points of each key and film two frames. What a short run prints is
-not compared with the text. Pages with `whole: reason` in the front matter are never short.
+speed follows a table, sweep two points of each key, follow branches over a few points, take a few
+draws and film two frames. What a short run prints is not compared with the text. Pages with
+`whole: reason` in the front matter are never short; those with `long: reason` have no short run.
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -27,13 +28,14 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
 RUN = ("python", "console")
-SHORT = 0.3
+SHORT = 0.1
 """Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
@@ -42,6 +44,7 @@ _BLOCK = re.compile(
     re.MULTILINE | re.DOTALL,
 )
 _WHOLE = re.compile(r"\A---\n(?:.+\n)*?whole: ")
+LONG = re.compile(r"\A---\n(?:.+\n)*?long: ")
 _PRINTED = re.compile(r"^<!-- printed: (.*?) -->$", re.MULTILINE)
 
 
@@ -135,9 +138,9 @@ def commands(code: str) -> list[str]:
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 
 
-def _two(frames: str) -> str:
-    """Return a number of frames, at most two."""
-    return str(min(int(frames), 2))
+def _at_most(limit: int, number: str) -> str:
+    """Return a number, at most the limit."""
+    return str(min(int(number), limit))
 
 
 def _ends(over: str) -> str:
@@ -151,7 +154,12 @@ def shortened(words: list[str]) -> list[str]:
     """Return the words of a command that marches, sweeps and films little, see above."""
     from bladewhirl import read_case
 
-    kept: dict[str, Callable[[str], str]] = {"--frames": _two, "--over": _ends}
+    kept: dict[str, Callable[[str], str]] = {
+        "--frames": partial(_at_most, 2),
+        "--points": partial(_at_most, 4),
+        "--draws": partial(_at_most, 8),
+        "--over": _ends,
+    }
     beyond = {"--from", "--to", "--time"} if words[0] in ("render", "export", "plot") else set()
     short, sets = words[:1], []
     for before, word in pairwise(words):

@@ -1,10 +1,10 @@
 """Generated parts of pages: output of blocks, references, pictures.
 
 The blocks of pages with `executed: true` in the front matter are run before Sphinx reads the pages,
-if the page or the package changed since the last run. `<!-- generated: NAME | ARGUMENT -->` is
-replaced by the text NAME of `reference.GENERATED`, of which some have arguments,
-`<!-- picture: FILE | words -->` by the picture FILE that a block has drawn, with the words as
-alternative text.
+if the page or the package changed since the last run; those with `long: reason` too only at full
+length. `<!-- generated: NAME | ARGUMENT -->` is replaced by the text NAME of `reference.GENERATED`,
+of which some have arguments, `<!-- picture: FILE | words -->` by the picture FILE that a block has
+drawn, with the words as alternative text, or by the words if it was not run.
 """
 
 import hashlib
@@ -51,7 +51,7 @@ def run_pages(source: Path, *, short: bool) -> None:
     pages = {
         path.relative_to(source).with_suffix("").as_posix(): path
         for path in sorted(source.rglob("*.md"))
-        if _HEAD.match(path.read_text(encoding="utf-8"))
+        if _runs(path.read_text(encoding="utf-8"), short=short)
     }
     state, forks = _state(), sys.platform == "linux"
     context = multiprocessing.get_context("fork" if forks else "spawn")
@@ -77,6 +77,11 @@ def run_pages(source: Path, *, short: bool) -> None:
             free.append(core)
             if process.exitcode:
                 raise ExtensionError(f"{pages[name]}: a block fails, as stated above")
+
+
+def _runs(text: str, *, short: bool) -> bool:
+    """Return whether the blocks of a page are run."""
+    return bool(_HEAD.match(text)) and not (short and blocks.LONG.match(text))
 
 
 def _run(page: Path, folder: Path, state: str, core: int, short: bool) -> None:
@@ -113,13 +118,15 @@ def _state() -> str:
 def fill(app: Sphinx, document: str, source: list[str]) -> None:
     """Insert outputs, references and pictures into the source of a page."""
     folder, text = Path(app.srcdir), source[0]
-    if _HEAD.match(text):
+    runs = _runs(text, short=app.config.short)
+    if runs:
         has_python = any(block.language == "python" for block in blocks.blocks(text) if block.runs)
         link = notebooks.write(document, text, folder / "built/notebooks") if has_python else ""
         text = _with_output(text, printed(folder, document)) + link
     text = _MARK.sub(lambda mark: reference.GENERATED[mark[1]](*mark[2].split(" | ")[1:]), text)
     built = f"{'../' * document.count('/')}built/{document}"
-    source[0] = _PICTURE.sub(rf"![\2]({built}/\1)", text)
+    drawn = runs or not _HEAD.match(text)  # some pages have pictures of others
+    source[0] = _PICTURE.sub(rf"![\2]({built}/\1)" if drawn else r"*\2*", text)
 
 
 def _with_output(text: str, outputs: list[str]) -> str:
