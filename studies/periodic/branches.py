@@ -272,7 +272,13 @@ def resume_branch(
             cannot be written.
     """
     folder = Path(directory)
-    data = open_branch(folder)
+    try:
+        data = open_branch(folder)
+    except UserError as reason:
+        raise UserError(
+            f"{reason}; branches with [[joint]] or of constant contact are not kept point by point:"
+            " compute them again"
+        ) from None
     if "ended" in data.attrs:
         return _derived(data)
     case, known = read_case(folder / CASE_NAME), data.attrs
