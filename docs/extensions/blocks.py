@@ -12,9 +12,10 @@ A comment on the line above a block has these effects:
 numbers in the text remain those of the blocks.
 
 A short run of a page shows that its blocks work: commands march at most `SHORT`, except where the
-speed follows a table, sweep two points of each key, follow branches over a few points, take a few
-draws and film two frames. What a short run prints is not compared with the text. Pages with
-`whole: reason` in the front matter are never short; those with `long: reason` have no short run.
+speed follows a table or each march continues another, sweep two points of each key, follow branches
+over a few points, take a few draws and film two frames. What a short run prints is not compared
+with the text. Pages with `whole: reason` in the front matter are never short; those with
+`long: reason` have no short run.
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -171,7 +172,9 @@ def shortened(words: list[str]) -> list[str]:
         march = read_case(words[1], sets).march
         if any(each.startswith("march.revolutions=") for each in sets):
             short += ["--set", "march.revolutions=1"]
-        elif march.duration > SHORT and not (march.speed_table or march.run_up):
+        elif march.duration > SHORT and not (
+            march.speed_table or march.run_up or "--continue" in words
+        ):
             short += ["--set", f"march.duration={SHORT}"]
     return short
 

@@ -95,7 +95,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             blades=blade_count(of_first_wheel(result)),
             shown_time=float(result["time"][record]),
             loss_time=loss.time if loss else np.inf,
-            joints=has(result, "joints"),
+            joints=int(has(result, "joints")),
             lost_blades=loss.blades if loss else np.zeros(0, dtype=np.int64),
         )
     )

@@ -100,8 +100,9 @@ def test_the_sentence_has_the_numbers_of_the_summary(kind: Kind) -> None:
 
 
 def test_the_page_is_one_file_of_a4(tmp_path: Path) -> None:
-    figure, _ = RunFigures(run_of("beams")).draw("card")
-    (path,) = save_figure(figure, tmp_path / "card", formats=["pdf"])
+    figure, drawn = RunFigures(run_of("beams")).draw("card")
+    path, data = save_figure(figure, tmp_path / "card", drawn, formats=["pdf"])
+    assert data.name == "card.nc"
     assert b"/MediaBox [ 0 0 841.88" in path.read_bytes().replace(b"\n", b" ")
 
 
