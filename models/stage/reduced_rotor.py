@@ -1,6 +1,7 @@
 """A bladed disk in modal coordinates, in its rotating frame."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -163,7 +164,7 @@ class ReducedRotor:
         """Displacements of the tips of all copies [kg^-1/2], (3 * all tips, all modes)."""
         return sp.block_diag([self.contact] * self.copies, format="csr")
 
-    @property
+    @cached_property
     def highest_frequency(self) -> float:
         """Highest frequency of the modes [rad/s]. Tips without mass are then fixed in each
         direction with a residual flexibility."""

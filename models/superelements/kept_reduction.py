@@ -29,7 +29,9 @@ VERSION = 6
 
 FOLDER = ".reduced"  #: what the name of the folder adds to that of the file
 
-LARGE = 1000  #: least number of coordinates of a superelement whose reduction is kept in a folder
+LARGE = 1000
+"""Least number of coordinates of a sector, or a tenth of those of all sectors, whose reduction is
+kept in a folder."""
 
 NAMES = re.compile("[0-9a-f]{32}(-[0-9]+-[0-9a-f]{64})?[.]npz")
 """Names of the files in a folder, also of earlier versions; no other file is removed."""
@@ -58,14 +60,14 @@ def kept_reduction(
     Args:
         file: file of the superelement.
         part: superelement.
-        settings: numbers on which the reduction depends.
+        settings: numbers on which the reduction depends; the first is that of sectors.
         compute: function that returns the parts, none of them without arrays.
     """
     digest = _digest(part, settings)
     if digest in _remembered:
         return _remembered[digest]
     folder = Path(file + FOLDER)
-    large = part.size >= LARGE
+    large = part.size * max(1.0, 0.1 * settings[0]) >= LARGE
     if large and folder.is_symlink():
         logger.warning("%s: expected a folder, found a link: no reduction is kept.", folder)
         large = False

@@ -162,7 +162,7 @@ class _Log:
             self.start, self.first, self.last = now, done, (total, -1)
         self.done = done
         tenth = total, LINES * done // max(total, 1)
-        if not done or tenth == self.last or now < self.start + self.quiet:
+        if tenth == self.last or now < self.start + self.quiet:
             return
         self.last = tenth
         each = (now - self.start) / max(done - self.first, 1)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.progress import count
 from bladewhirl.models.inputs.table import path_of, value_at
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.solvers.march.free_motion import RULE, STOPS, FreeMotion, StopWhen
@@ -61,8 +63,11 @@ SCREEN_RULE = (
 
 PLAN_NAME = "sweep.json"  #: name of the file with the plan of a sweep, for resuming it
 
-CHECKED_STAGES = 32
-"""Number of stages validated before a sweep; faults of other stages appear as failed points."""
+CHECKED_STAGES, CHECK_TIME = 30, 5.0
+"""Largest number of stages validated before a sweep besides those of the first and of the last
+point, and the time that they may take [s]; faults of other stages appear as failed points."""
+
+CHECKING, CHECKED = "checking points", "points checked"
 
 ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
 """Largest numbers of steps of one march and of a sweep without confirmation: such a march takes
@@ -399,13 +404,27 @@ def _check_stages(case: Case, grid: Grid, *, screen: bool) -> None:
     Raises:
         UserError: the first error, with its point.
     """
-    chosen = range(grid.size)
-    if any(not axis.key.startswith(("march.", "contact.")) for axis in grid.axes):
-        spread = np.linspace(0, grid.size - 1, min(CHECKED_STAGES, grid.size))
-        chosen = np.unique(spread.round().astype(int)).tolist()
-    for point in chosen:
+
+    def check(point: int) -> float:
+        began = monotonic()
         with grid.naming(point):
             at_point = with_values(case, grid.values(point))
             problem = problem_of(stage_at(at_point))
             if screen:
                 screened(problem, at_point.march.timing)
+        count(CHECKING, finished=1, noun=CHECKED)
+        return monotonic() - began
+
+    last = grid.size - 1
+    count(CHECKING, expected=1 + (last > 0), noun=CHECKED)
+    check(0)
+    if last == 0:
+        return
+    # The first point prepared what all share, so that the last one shows what the others cost.
+    most = int(CHECK_TIME / check(last))
+    if any(not axis.key.startswith(("march.", "contact.")) for axis in grid.axes):
+        most = min(most, CHECKED_STAGES)
+    chosen = np.unique(np.linspace(0, last, min(2 + most, grid.size)).round().astype(int))
+    count(CHECKING, expected=len(chosen) - 2, noun=CHECKED)
+    for point in chosen[1:-1]:
+        check(int(point))

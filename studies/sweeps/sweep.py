@@ -51,7 +51,8 @@ class Watch:
     #: called once, before anything is written
     planned: Callable[[SweepPlan], None] = lambda plan: None
     progress: Callable[[int, int, int], None] = lambda done, failed, points: None
-    """Called after every point with the numbers of finished, failed and all points."""
+    """Called at the start and after every point with the numbers of finished, failed and all
+    points."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,10 +172,11 @@ def run_sweep(
     options = SweepOptions(
         histories=histories, stop_when=stop_when, screen=screen, carry=carry, start=start
     )
+    watch = watch or Watch()
+    watch.progress(0, 0, grid.size)
     plan = plan_sweep(case, grid, options, large=large)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
-    watch = watch or Watch()
     watch.planned(plan)
     try:
         directory.mkdir(parents=True, exist_ok=True)

@@ -165,6 +165,17 @@ def test_what_is_no_regular_file_is_neither_read_nor_followed(
     assert "found a link" in caplog.text
 
 
+def test_a_small_sector_of_a_large_wheel_is_kept_in_the_folder(
+    tmp_path: Path, sector: Superelement
+) -> None:
+    size = sector.size
+    assert size < kept_reduction.LARGE
+    kept(tmp_path, sector, Counted(), 10, 5)
+    assert not (tmp_path / "a.npz.reduced").exists()
+    kept(tmp_path, sector, Counted(), 10 * kept_reduction.LARGE // size + 1, 5)
+    assert len(list((tmp_path / "a.npz.reduced").iterdir())) == 1
+
+
 @pytest.mark.usefixtures("in_folder")
 def test_a_large_foreign_file_is_not_read(
     tmp_path: Path, sector: Superelement, monkeypatch: pytest.MonkeyPatch

@@ -17,6 +17,8 @@ from sweep_work import CASE, OVER, InProcess, Killed, same_bits
 from synthetic_sweep import LAYOUT
 
 import bladewhirl as bw
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_share
@@ -34,7 +36,7 @@ from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.marching import march_points
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Failure, Point, Work
-from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
 
@@ -123,7 +125,7 @@ def test_failed_points_are_reported_and_the_others_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The first and the last stage are looked at beforehand; the one between can't be reduced."""
-    monkeypatch.setattr(sweep_plan, "CHECKED_STAGES", 2)
+    monkeypatch.setattr(sweep_plan, "CHECKED_STAGES", 0)
     case = bw.with_values(CASE, {"march.duration": 1e-4})
     (tmp_path / "case.toml").write_text(bw.dumps_case(case))
     key = "reduction.fixed_interface_modes"
@@ -140,6 +142,31 @@ def test_failed_points_are_reported_and_the_others_done(
     with bw.open_sweep(folder) as dataset:
         assert dataset["state"].values.tolist() == ["done", "failed", "done"]
         assert np.isnan(dataset["end_time"].values).tolist() == [False, True, False]
+
+
+@pytest.mark.usefixtures("process")
+@pytest.mark.parametrize(("time", "checked"), [(0.0, [0, 8]), (1e9, [0, 8, 2, 4, 6])])
+def test_checks_before_a_sweep_end_after_some_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, time: float, checked: list[int]
+) -> None:
+    """The first and the last point are checked, others while there is time; before that, the sweep
+    has reported that it has begun."""
+    calls: list[object] = []
+    real = sweep_plan.problem_of
+
+    def problem_of(stage: Stage) -> ContactProblem:
+        calls.append(round(100 * stage.case.contact.friction))
+        return real(stage)
+
+    monkeypatch.setattr(sweep_plan, "problem_of", problem_of)
+    monkeypatch.setattr(sweep_plan, "CHECK_TIME", time)
+    case = bw.with_values(CASE, {"march.duration": 1e-4})
+    watch = Watch(
+        progress=lambda *numbers: calls.append(numbers), planned=lambda plan: calls.append("plan")
+    )
+    over = {"contact.friction": [0.0, 0.02, 0.04, 0.06, 0.08]}
+    run_sweep(case, over, tmp_path / "sweep", watch=watch)
+    assert calls[: calls.index("plan")] == [(0, 0, 5), *checked]
 
 
 def test_a_folder_in_use_is_refused(swept: Path) -> None:
