@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
@@ -50,12 +51,18 @@ class PointStresses:
         self._dataset = dataset
         self._factor = dataset["copy_stiffness"].values[:, None]
         self.points = dataset.sizes["point"]  #: number of points of a copy
-        self._modes = self._terms(dataset["stress_shape"].values)
 
     @property
     def steady(self) -> bool:
         """Whether the stress of steady rotation is part of the result."""
         return "steady_stress" in self._dataset
+
+    @cached_property
+    def _modes(self) -> Array:
+        """Terms of the points for unit modal coordinates, (5 points, modes)."""
+        shape = self._dataset["stress_shape"].values
+        terms = np.einsum("kc,pcm->pkm", VON_MISES, shape)
+        return np.asarray(terms.reshape(-1, shape.shape[-1]))
 
     @cached_property
     def _forces(self) -> Array:
@@ -65,32 +72,41 @@ class PointStresses:
         return np.asarray(terms.reshape(len(terms), terms.shape[1] * len(VON_MISES), -1))
 
     @cached_property
+    def _forces_of_waves(self) -> NDArray[np.complex128]:
+        """Terms by unit waves of contact forces over the sectors, (nodal diameters, 3 nodes of a
+        sector, 5 points of a sector)."""
+        waves = np.fft.rfft(self._forces, axis=0)
+        return np.ascontiguousarray(np.swapaxes(waves, 1, 2))
+
+    @cached_property
     def _steady(self) -> Array | float:
         """Terms by steady rotation, (5 points,); 0 if they are not part of the result."""
         if not self.steady:
             return 0.0
         return np.asarray((self._dataset["steady_stress"].values @ VON_MISES.T).ravel())
 
-    def _terms(self, shape: Array) -> Array:
-        """Return terms of the points for unit modal coordinates, (5 points, modes)."""
-        terms = np.einsum("kc,pcm->pkm", VON_MISES, shape)
-        return np.asarray(terms.reshape(-1, shape.shape[-1]))
-
     def terms(self, motion: Array, force: Array) -> Array:
         """Return the five terms [Pa], (record, point, 5), of one copy after another, for modal
         coordinates (record, mode) and contact forces (record, node, direction)."""
         count = len(motion)
-        motion = motion.reshape(count, self._dataset.sizes["copy"], -1)
-        terms = (self._factor * motion) @ self._modes.T
+        motion = self._factor * motion.reshape(count, self._dataset.sizes["copy"], -1)
+        terms = motion.reshape(-1, motion.shape[2]) @ self._modes.T  # one product of matrices
         force = force.reshape(count, -1, self._forces.shape[2])
         of_sectors = terms.reshape(count, force.shape[1], -1)
-        for sector in np.flatnonzero(force.any(axis=(0, 2))):
-            pushed = np.flatnonzero(force[:, sector].any(axis=1))
-            for distance, by_force in enumerate(self._forces):
-                place = (sector + distance) % force.shape[1]
-                of_sectors[pushed, place] += force[pushed, sector] @ by_force.T
+        pushed = np.flatnonzero(force.any(axis=(1, 2)))
+        of_sectors[pushed] += self._by_forces(force[pushed])
         terms += self._steady
         return np.asarray(terms.reshape(count, -1, len(VON_MISES)))
+
+    def _by_forces(self, force: Array) -> Array:
+        """Return terms by contact forces, (record, sector, 5 points of a sector), for forces
+        (record, sector, 3 nodes of a sector). What a sector does to the one that is a number of
+        sectors ahead depends on this number only, so that waves over the sectors do not mix."""
+        distances = len(self._forces)
+        if distances == 1:
+            return np.asarray(force @ self._forces[0].T)
+        waves = np.moveaxis(np.fft.rfft(force, axis=1), 1, 0) @ self._forces_of_waves
+        return np.asarray(np.moveaxis(np.fft.irfft(waves, distances, axis=0), 0, 1))
 
     def terms_at(self, records: IntArray) -> Array:
         """Return the five terms [Pa] at records, see `terms`."""

@@ -294,3 +294,10 @@ def check_room(directory: Path, needed: int) -> None:
 def expected_bytes(prepared: Prepared) -> int:
     """Return the size of the result on disk if the march completes [bytes]."""
     return result_bytes(prepared.arrays, prepared.timing, prepared.problem.coating)
+
+
+def history_bytes(prepared: Prepared) -> int:
+    """Return the size of the records if the march completes [bytes], without the arrays of the
+    stage."""
+    described = sum(array.nbytes for array in prepared.arrays.stored.values())
+    return expected_bytes(prepared) - described

@@ -27,15 +27,16 @@ from bladewhirl.solvers.march.march import EndReason
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
 from bladewhirl.studies.runs.prepare import Change, prepare, screened
-from bladewhirl.studies.runs.recorded_march import expected_bytes, march_in_memory, march_to_file
+from bladewhirl.studies.runs.recorded_march import history_bytes, march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 from bladewhirl.studies.sweeps.carried import continued, late_state, read_state, write_state
 from bladewhirl.studies.sweeps.stages import stage_at
 from bladewhirl.studies.sweeps.starts import StartName, begun, start_of
 
 IN_MEMORY = 500_000_000
-"""Largest size of a history in the memory of a worker [bytes]; a larger history is kept in a file
-until the data of the sweep have been computed from it."""
+"""Largest size of a history in the memory of a worker [bytes], without the arrays of its stage,
+which are there in any case; a larger history is kept in a file until the data of the sweep have
+been computed from it."""
 
 _THREAD = threading.local()
 """Data of a marching thread: memory of its records, reused from point to point."""
@@ -106,7 +107,7 @@ def _march_point(work: Work, case: Case, point: Point) -> Digest:
         with suppress(ValueError):  # a march that cannot end early runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
             prepared = replace(prepared, stop=stop)
-    if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
+    if work.layout is not None and name is None and history_bytes(prepared) <= IN_MEMORY:
         room = _THREAD.__dict__.setdefault("room", {})
         casing = "casing_displacement_max" in work.layout.variables or point.after is not None
         result, report = march_in_memory(prepared, room, casing=casing)

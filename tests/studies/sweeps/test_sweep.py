@@ -152,11 +152,10 @@ def test_checks_before_a_sweep_end_after_some_time(
     """The first and the last point are checked, others while there is time; before that, the sweep
     has reported that it has begun."""
     calls: list[object] = []
-    real = sweep_plan.problem_of
 
     def problem_of(stage: Stage) -> ContactProblem:
         calls.append(round(100 * stage.case.contact.friction))
-        return real(stage)
+        return prepare(stage).problem
 
     monkeypatch.setattr(sweep_plan, "problem_of", problem_of)
     monkeypatch.setattr(sweep_plan, "CHECK_TIME", time)
