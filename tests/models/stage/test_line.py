@@ -81,6 +81,9 @@ def in_static_axes(stage: LineStage, end: float) -> FloatArray:
     gravity = stage.case.gravity
     weight = line.weight(complex(*gravity.acceleration) if gravity else 0.0)
     inverse = np.linalg.inv(real_form(line.mass))
+    still = np.array(line.matrices(0.0)[1:])  # damping and stiffness, linear in the speed
+    by_speed = (np.array(line.matrices(1e3)[1:]) - still) / 1e3
+    euler = real_form((-0.5j * line.polar).astype(np.complex128))
 
     def turned(time: float) -> tuple[float, float, float]:
         if course is None:
@@ -93,9 +96,7 @@ def in_static_axes(stage: LineStage, end: float) -> FloatArray:
 
     def rate(time: float, state: FloatArray) -> FloatArray:
         angle, speed, acceleration = turned(time)
-        _, damping, stiffness = line.matrices(speed)
-        euler = acceleration * line.polar.astype(np.complex128)
-        stiffness = np.asarray(stiffness + real_form(-0.5j * euler))
+        damping, stiffness = still + speed * by_speed
         z, v = np.split(state, 2)
         whirling = unbalance * (speed**2 - 1j * acceleration) * np.exp(1j * angle)
         for load in stage.case.excitations.values():
@@ -105,7 +106,7 @@ def in_static_axes(stage: LineStage, end: float) -> FloatArray:
             turn = np.exp(1j * angle) if load.frame == "rotating" else 1.0
             push = load.force * np.cos(2.0 * np.pi * load.frequency * time)
             whirling[2 * line.node(load.position)] += push * turn
-        force = real(weight + whirling) - damping @ v - stiffness @ z
+        force = real(weight + whirling) - damping @ v - stiffness @ z - acceleration * (euler @ z)
         return np.concatenate([v, inverse @ force])
 
     sag = np.linalg.solve(line.matrices(turned(0.0)[1])[2], real(weight))
@@ -131,7 +132,7 @@ def test_second_order_of_the_step_towards_the_motion_in_static_axes(
     """Unequal bearings with cross terms, a support, tilt springs, gravity, internal damping, and
     harmonic forces."""
     pushes = [
-        {"type": "harmonic", "force": 400.0, "frequency": 90.0, "position": at, "frame": frame}
+        {"type": "harmonic", "force": 200.0, "frequency": 60.0, "position": at, "frame": frame}
         for frame, at in zip(loads, (0.45, 0.3), strict=False)
     ]
     case, end = line_case(march, loads=pushes), 0.02
@@ -141,7 +142,7 @@ def test_second_order_of_the_step_towards_the_motion_in_static_axes(
         found, chunk = marched(case, step, end)
         errors.append(np.abs(found - exact).max() / np.abs(exact).max())
         assert ledger_residual(chunk) < 1e-9
-    assert errors[1] < 5e-7
+    assert errors[1] < 3e-7
     assert 3.7 < errors[0] / errors[1] < 4.3
 
 
@@ -219,7 +220,7 @@ def test_a_free_tilted_line_keeps_its_momentum_about_the_axis() -> None:
 @pytest.mark.parametrize(
     ("march", "tolerance"),
     [
-        ({"speed": "3000 rpm", "displacement_limit": 1.0, "time_step": 5e-5}, 2e-10),
+        ({"speed": "3000 rpm", "displacement_limit": 1.0, "time_step": 5e-5}, 1e-10),
         (FREE | {"time_step": 1e-5}, 2e-9),
     ],
     ids=["constant", "free"],
