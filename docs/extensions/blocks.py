@@ -36,7 +36,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 RUN = ("python", "console")
-SHORT = 0.1
+SHORT = 0.2
 """Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
