@@ -82,11 +82,18 @@ class ComplianceOverSpeeds:
 def displacement_by(force: FloatArray, compliance: FloatArray) -> FloatArray:
     """Return the displacements due to forces at some instants [m], (instants, copies, 3c).
 
+    Each instant is a product of its own: in one product of all, the last bits of an instant depend
+    on how many there are, and a march that is continued has others than one without a break.
+
     Args:
         force: contact forces [N], (instants, copies, 3c).
         compliance: see `ReducedRotor.compliance`, (copies, 3c, 3c).
     """
-    return np.asarray((force.swapaxes(0, 1) @ compliance.swapaxes(1, 2)).swapaxes(0, 1))
+    moved = np.zeros(force.shape)
+    for copy, by_force in enumerate(compliance):
+        pushed = np.flatnonzero(force[:, copy].any(axis=1))
+        moved[pushed, copy] = (by_force @ force[pushed, copy, :, None])[..., 0]
+    return moved
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -173,11 +173,11 @@ def run_sweep(
         histories=histories, stop_when=stop_when, screen=screen, carry=carry, start=start
     )
     watch = watch or Watch()
-    watch.progress(0, 0, grid.size)
     plan = plan_sweep(case, grid, options, large=large)
     for hint in plan.hints:
         warnings.warn(hint, Hint, stacklevel=2)
     watch.planned(plan)
+    watch.progress(0, 0, grid.size)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         write_plan(plan, directory)

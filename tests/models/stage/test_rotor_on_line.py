@@ -265,7 +265,7 @@ def remaining(part: Any) -> Any:
     return replace(part, **part.projected(select), **dofs)
 
 
-@pytest.mark.parametrize("speed", [600.0, 1800.0])
+@pytest.mark.parametrize("speed", [pytest.param(600.0, marks=pytest.mark.slow), 1800.0])
 def test_the_loss_of_a_blade_is_that_of_the_unreduced_rotor(speed: float, folder: Path) -> None:
     """Below and above the first critical speed, with the moment of a blade that leans forward."""
     lost_at, end, step = 2e-4, 1.2e-3, 5e-7

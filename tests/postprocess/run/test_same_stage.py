@@ -102,7 +102,10 @@ def test_summaries_are_the_same(kind: Kind) -> None:
 def test_points_of_a_sweep_are_the_same(kind: Kind) -> None:
     (_, _, beams), (_, _, solid) = marched(kind)
     assert (kind == "wheel") == ("spectrum" in solid)
-    for name in beams.keys() & solid.keys() - OWN - {"stress_max"}:  # files have no stresses
+    names = beams.keys() & solid.keys() - OWN - {"stress_max"}  # files have no stresses
+    # Of copies, the modes of the first; of their beams, those of all with nodal diameters.
+    names -= {"natural_frequency", "natural_diameter"} if kind == "blade" else set()
+    for name in names:
         one, other = beams[name], solid[name]
         if name.startswith("energy_") and name != "energy_residual":  # of groups of modes, or all
             one, other = one.sum(axis=-1), other.sum(axis=-1)

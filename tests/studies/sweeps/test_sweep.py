@@ -149,8 +149,8 @@ def test_failed_points_are_reported_and_the_others_done(
 def test_checks_before_a_sweep_end_after_some_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, time: float, checked: list[int]
 ) -> None:
-    """The first and the last point are checked, others while there is time; before that, the sweep
-    has reported that it has begun."""
+    """The first and the last point are checked, others while there is time; then the sweep reports
+    that it begins, before the first point is finished."""
     calls: list[object] = []
 
     def problem_of(stage: Stage) -> ContactProblem:
@@ -165,7 +165,8 @@ def test_checks_before_a_sweep_end_after_some_time(
     )
     over = {"contact.friction": [0.0, 0.02, 0.04, 0.06, 0.08]}
     run_sweep(case, over, tmp_path / "sweep", watch=watch)
-    assert calls[: calls.index("plan")] == [(0, 0, 5), *checked]
+    began = calls.index("plan")
+    assert calls[: began + 2] == [*checked, "plan", (0, 0, 5)]
 
 
 def test_a_folder_in_use_is_refused(swept: Path) -> None:
