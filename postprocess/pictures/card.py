@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from bladewhirl.models.case.shaft import Rotation
@@ -20,7 +21,7 @@ from bladewhirl.postprocess.fields.by_blade import (
     of_blades,
     of_first_wheel,
 )
-from bladewhirl.postprocess.fields.kinematics import table_of_result
+from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.windows import span_starts
@@ -31,6 +32,7 @@ from bladewhirl.postprocess.run.extremes import largest_force, mean_forces
 from bladewhirl.postprocess.run.haigh import draw_haigh, haigh, number_blades
 from bladewhirl.postprocess.run.histories import contact_force
 from bladewhirl.postprocess.run.unrolled import unrolled, whole_run
+from bladewhirl.postprocess.shaft_line.motion import line_bearing_forces
 
 PAD = 0.08  #: distance of panels from each other and from the edges [inch]
 PAGE = (0.297, 0.21)  #: width and height of the page, A4 [m]
@@ -60,7 +62,8 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
         `unrolled.whole_run`; over blade `largest_force` [N], the normal force on the blade in the
         mean over `extremes.FORCE_TIME`, and `blade_angle` [rad]; `force_history` (time,) [N], the
         largest normal force on a blade between two records; `mode_frequency` (mode,) [Hz],
-        rotating axes, and `diameter_share` (mode, nodal_diameter) [1] of `diameter_shares`.
+        rotating axes, and `diameter_share` (mode, nodal_diameter) [1] of `diameter_shares`; with a
+        shaft line `bearing_force` (time, bearing) [N], the magnitudes of `line_bearing_forces`.
     """
     peak, force = largest_force(result), mean_forces(result).values
     between = contact_force(result)["normal"].max("blade")
@@ -77,8 +80,12 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
     own = diameter_shares(result)
     shares = np.concatenate([own[:0], *[own] * len(names)])
     regime, loss = classify(result, energies["total"].values), lost_blades(result)
+    parts = [stage, split, seen]
+    if has(result, "line"):
+        bearings = line_bearing_forces(result)["force"].isel(time=slice(1, None))
+        parts.append(bearings.to_dataset(name="bearing_force"))
     return (
-        xr.merge([stage, split, seen], combine_attrs="drop")
+        xr.merge(parts, combine_attrs="drop")
         .assign(
             largest_force=("blade", of_blades(result, force).max(axis=0), {"units": "N"}),
             blade_angle=("blade", blade_angles(result) % (2 * np.pi), {"units": "rad"}),
@@ -108,19 +115,14 @@ def plot_card(data: xr.Dataset) -> Figure:
     figure.set_layout_engine("constrained", w_pad=PAD, h_pad=PAD)
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 3, width_ratios=[1.5, 1.0, 1.0])
-    left = grid[:, 0].subgridspec(2, 1, height_ratios=[3.6, 1.0])
+    touched = bool(data["force_history"].values.any())
+    left = grid[:, 0].subgridspec(1 + touched, 1, height_ratios=[3.6, 1.0][: 1 + touched])
     stage = figure.add_subplot(left[0])
     draw_flat(stage, data)
     stage.set_title(data.attrs["notes"])
-    history = figure.add_subplot(left[1])
-    clock = figure.add_subplot(grid[0, 1], projection="polar")
-    if data["force_history"].values.any():
-        _draw_history(history, data)
-        _draw_clock(clock, data)
-    else:
-        for axes in (history, clock):
-            axes.set_axis_off()
-        clock.set_title("no blade touches the wall")
+    if touched:
+        _draw_history(figure.add_subplot(left[1]), data)
+    _draw_clock(figure.add_subplot(grid[0, 1], projection="polar"), data, touched=touched)
     stress = figure.add_subplot(grid[0, 2])
     if "mean" in data:
         draw_haigh(stress, data)
@@ -129,7 +131,8 @@ def plot_card(data: xr.Dataset) -> Figure:
         stress.set_axis_off()
         stress.set_title("no stress: the file of the superelement\nhas no stress_recovery")
     _draw_casing(figure.add_subplot(grid[1, 1]), data)
-    _draw_campbell(figure.add_subplot(grid[1, 2]), data)
+    below = figure.add_subplot(grid[1, 2])
+    (_draw_bearings if "bearing_force" in data else _draw_campbell)(below, data)
     lines = [
         ", ".join(map(str, (data.attrs["case_title"], *about_run(data)))),
         *textwrap.wrap(verdict(data), LINE),
@@ -199,42 +202,61 @@ def _reach(data: xr.Dataset) -> tuple[float, float]:
     return turns, max(ORDERS * turns, ABOVE * (lowest if np.isfinite(lowest) else 0.0)) or 1.0
 
 
-def _draw_history(axes: Axes, data: xr.Dataset) -> None:
-    """Draw the largest force on a blade over time, with the instant of the drawn stage."""
-    time, force = data["time"].values, data["force_history"].values
+def _draw_forces(axes: Axes, data: xr.Dataset, force: Array) -> list[Line2D]:
+    """Draw forces (time, curve) [N] over time, the largest value in each span."""
+    time = data["time"].values
     starts = span_starts(time, COLUMNS)
     unit, scale = handy_unit(float(force.max()), "N")
-    axes.plot(time[starts], scale * np.maximum.reduceat(force, starts), color=COLOURS["total"])
+    curves = axes.plot(time[starts], scale * np.maximum.reduceat(force, starts))
+    axes.set(xlim=time[[0, -1]], ylim=(0, 1.05 * scale * force.max() or 1.0))
+    axes.set_ylabel(f"force [{unit}]")
+    time_axis(axes)
+    return curves
+
+
+def _draw_bearings(axes: Axes, data: xr.Dataset) -> None:
+    """Draw the force of each bearing of a shaft line over time."""
+    force = data["bearing_force"].values
+    curves = _draw_forces(axes, data, force)
+    axes.legend(curves, data["bearing"].values.tolist(), title="bearing", fontsize=7)
+    axes.set_title(f"force of each bearing,\nat most {handy(float(force.max()), 'N', 4)}")
+
+
+def _draw_history(axes: Axes, data: xr.Dataset) -> None:
+    """Draw the largest force on a blade over time, with the instant of the drawn stage."""
+    time = data["time"].values
+    (curve,) = _draw_forces(axes, data, data["force_history"].values[:, None])
+    curve.set_color(COLOURS["total"])
     axes.axvline(data.attrs["shown_time"], color=COLOURS["k = 1"], linewidth=0.9)
     title = "largest force on a blade; orange: the instant drawn above"
     if data.attrs["loss_time"] <= time[-1]:
         axes.axvline(data.attrs["loss_time"], color=COLOURS["total"], linestyle="--", linewidth=0.7)
         title += "; dashed: the loss"
-    axes.set(xlim=time[[0, -1]], ylim=(0, 1.05 * scale * force.max() or 1.0))
-    axes.set_ylabel(f"force [{unit}]")
     axes.set_title(title)
-    time_axis(axes)
 
 
-def _draw_clock(axes: Axes, data: xr.Dataset) -> None:
-    """Draw the largest force on each blade around the axis, of a single blade by the place on the
-    casing at which it acts."""
-    force = data["largest_force"].values
+def _draw_clock(axes: Axes, data: xr.Dataset, *, touched: bool) -> None:
+    """Draw the largest force on each blade around the axis, or the smallest gap if no blade
+    touches; of a single blade by its place on the casing."""
+    force = data["largest_force"].values if touched else data["blade_gap"].min("axial").values
     if len(force) == 1:
-        edge, at = data["sector_edge"].values, data["force"].max("axial").values
-        unit, scale = handy_unit(float(np.nanmax(at)), "N")
-        axes.stairs(scale * np.nan_to_num(at), edge, color=COLOURS["total"])
-        axes.set_title(f"largest force on a contact node [{unit}],\nby place on the casing")
+        at = (data["force"].max("axial") if touched else data["gap"].min("axial")).values
+        unit, scale = handy_unit(float(np.nanmax(at)), "N" if touched else "m")
+        axes.stairs(scale * np.nan_to_num(at), data["sector_edge"].values, color=COLOURS["total"])
+        what = "largest force on a contact node" if touched else "smallest gap"
+        axes.set_title(f"{what} [{unit}],\nby place on the casing")
     else:
-        unit, scale = handy_unit(float(force.max()), "N")
-        worst = force == force.max()
-        colours = np.where(worst & (force > 0.0), COLOURS["k = 1"], COLOURS["k = 0"])
+        unit, scale = handy_unit(float(np.nanmax(force)), "N" if touched else "m")
+        worst = force == (force.max() if touched else np.nanmin(force))
+        colours = np.where(worst, COLOURS["k = 1"], COLOURS["k = 0"])
         width = 0.8 * 2 * np.pi / len(force)
         axes.bar(data["blade_angle"].values, scale * force, width, color=colours)
         numbered = data["blade"].values[:: -(-len(force) // MOST_NUMBERS)]
         axes.set_xticks(data["blade_angle"].values[numbered], map(str, numbered))
-        title = f"largest force on each blade [{unit}],\n"
-        title += f"mean over {handy(data.attrs['averaged_over'], 's', 3)}"
+        title = f"smallest gap of each blade [{unit}]"
+        if touched:
+            title = f"largest force on each blade [{unit}],\n"
+            title += f"mean over {handy(data.attrs['averaged_over'], 's', 3)}"
         if len(lost := data["blade_angle"].values[data.attrs["lost_blades"]]):
             rim = axes.get_xaxis_transform()  # the rim is at 1
             axes.plot(lost, np.full(len(lost), 0.93), "x", color=COLOURS["total"], transform=rim)
@@ -271,10 +293,6 @@ def _draw_campbell(axes: Axes, data: xr.Dataset) -> None:
     """Draw the natural frequencies in rotating axes over the speed, with lines of engine orders and
     the speed of the run. Frequencies that depend on the speed are drawn at this speed only."""
     turns, top = _reach(data)
-    if not data.sizes["mode"]:
-        axes.set_axis_off()
-        axes.set_title("frequencies of a shaft line on its bearings:\nbladewhirl campbell")
-        return
     last = ABOVE * 60.0 * turns or 1.0
     fixed = data.attrs["effects"] == "none"
     span = (0.0, last) if fixed else (0.93 * 60.0 * turns, 1.07 * 60.0 * turns)
