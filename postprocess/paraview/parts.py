@@ -32,7 +32,7 @@ from bladewhirl.postprocess.paraview.boxes import (
     rotor_boxes,
 )
 from bladewhirl.postprocess.paraview.shaft_line import LineGrids
-from bladewhirl.postprocess.pictures.solids import CORNERS, tube
+from bladewhirl.postprocess.pictures.solids import CORNERS, HUB, hub_of, tube
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
 #: kinds of symbols that are written; struts include rigid links
@@ -43,7 +43,8 @@ UP = np.array([0.0, 0.0, 1.0])
 
 class StageParts:
     """Grids of the parts `rotor`, `casing`, `contact` and, if there are any, `coating`, `supports`,
-    and `shaft` and `bearings` of a shaft line.
+    `hub`, the disk below blades whose file does not contain it, and `shaft` and `bearings` of a
+    shaft line.
 
     Args:
         dataset: a result with a casing, see `with_wall`.
@@ -96,6 +97,7 @@ class StageParts:
         self._front = np.zeros(3)
         if body.flat:  # so that arrows are visible
             self._front = float(dataset["rotor_width"].max()) / 2 * surface * UP
+        self._hub = None if body.flat else hub_of(body, body.rest, 0.5 * true.tip_radius)
         self._line: LineGrids | None = None
         if has(dataset, "wheel"):
             self._line = LineGrids(dataset, rotating=rotating, exaggeration=self.exaggeration)
@@ -137,6 +139,10 @@ class StageParts:
         }
         if self._strips:
             grids["coating"] = self._coating(stage, index, back)
+        if self._hub is not None:
+            still = {name: np.zeros_like(self._hub) for name in ("displacement", "warp")}
+            triangles = [("triangle", HUB.triangles)]
+            grids["hub"] = meshio.Mesh(rotate(self._hub, turn), triangles, still)
         if self._line is not None:
             grids |= self._line.at(record)
         supports = self._supports(stage, index, wall, points[:, :2], (back, turn))

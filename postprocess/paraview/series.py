@@ -116,7 +116,8 @@ def export_vtk(
     the exaggeration are FieldData. With
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
-    A shaft line has the parts `shaft`, its surface, and `bearings`, rings that move with the
+    Separate blades, whose file does not contain a disk, have the part `hub`, a ring below them with
+    zero `displacement` and `warp`. A shaft line has the parts `shaft`, its surface, and `bearings`, rings that move with the
     supports, with `displacement` and `warp`; without a wheel it has no others.
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and

@@ -15,13 +15,13 @@ from paraview import simple
 SERIES: dict[str, Any] = {}
 ARROW = 0.17  # length of the largest force, in halves of the height of the picture
 SIZE = [1280, 960]  # of a picture [pixels]
-INK = [0.13, 0.15, 0.18]
+INK, FAINT = [0.13, 0.15, 0.18], [0.55, 0.58, 0.62]
 GREY = [0.71, 0.73, 0.76]
 PLAIN = {
-    **{"casing": GREY, "shaft": GREY, "bearings": [0.5, 0.62, 0.73]},
+    **{"casing": GREY, "hub": GREY, "shaft": GREY, "bearings": [0.5, 0.62, 0.73]},
     **{"coating": [0.78, 0.63, 0.4], "supports": INK},
 }
-TURNING = ("rotor", "shaft", "bearings")  # parts that are not cut open
+TURNING = ("rotor", "hub", "shaft", "bearings")  # parts that are not cut open
 BARS = {"rotor": 0.08, "casing": 0.52, "coating": 0.52}  # lower ends of colour scales
 MARGIN = 1.2
 
@@ -87,7 +87,10 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
     """Show a part with the colours of its own scale and with its edges; the wall is cut open."""
     part = simple.ExtractBlock(registrationName=name, Input=drawn)
     part.Selectors = [f"/Root/{name}"]
-    for origin, normal in SERIES["cuts"] if name not in TURNING else ():
+    cuts = SERIES["cuts"] if name not in TURNING else ()
+    if cuts and name == "casing":  # its edges stay where it is cut open
+        show_edges(simple.Clean(Input=simple.ExtractSurface(Input=part)), name, view, FAINT)
+    for origin, normal in cuts:
         part = simple.Clip(registrationName=f"{name}, cut open", Input=part, ClipType="Plane")
         part.ClipType.Origin, part.ClipType.Normal = origin, normal
     look = SERIES["colours"].get(name)
@@ -125,12 +128,17 @@ def show_part(drawn: Any, name: str, view: Any) -> None:
         bar.AddRangeLabels, bar.UseCustomLabels = 0, 1
         bar.CustomLabels = [look["end"] * tick / 4.0 for tick in range(5)]
     if name != "supports":
-        edges = simple.FeatureEdges(registrationName=f"edges of {name}", Input=whole)
-        edges.BoundaryEdges = edges.NonManifoldEdges = 0
-        lines = simple.Show(edges, view)
-        lines.RenderLinesAsTubes, lines.LineWidth = 1, 1.3  # in front of the faces
-        lines.ColorArrayName = ["POINTS", ""]
-        lines.DiffuseColor = lines.AmbientColor = INK
+        show_edges(whole, name, view, INK)
+
+
+def show_edges(surface: Any, name: str, view: Any, colour: list[float]) -> None:
+    """Show the sharp edges of the surface of a part."""
+    edges = simple.FeatureEdges(registrationName=f"edges of {name}", Input=surface)
+    edges.BoundaryEdges = edges.NonManifoldEdges = 0
+    lines = simple.Show(edges, view)
+    lines.RenderLinesAsTubes, lines.LineWidth = 1, 1.3  # in front of the faces
+    lines.ColorArrayName = ["POINTS", ""]
+    lines.DiffuseColor = lines.AmbientColor = colour
 
 
 main()

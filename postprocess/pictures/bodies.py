@@ -30,8 +30,10 @@ larger, so that tips are seen."""
 LEAN, SWING = 0.35, 1.1  #: inclination of the view of a single blade, to the root and to an edge
 ABOVE = 0.1  #: distance of the middle of a picture from that of a single blade, by its size
 COATING = "#c8a165"  #: colour of a coating
+OPEN_EDGE = "#8d959d"  #: colour of the edges of the wall where it is cut open
 ARC = 0.06  #: angle over which the wall is drawn on each side of a single blade [rad]
 ARC_STATIONS, WALL_STATIONS = 41, 241
+THREAD = 0.004  #: thickness of the edges of the wall where it is cut open, relative to its radius
 
 
 class Shape(NamedTuple):
@@ -132,6 +134,10 @@ class Body:
             Group([Solid(triangles=self.points.cells, shows="disk")], self._disk),
             Group([wall, *strips], self._walls),
         ]
+        if around and gap:
+            self._open = np.linspace(ahead - gap, ahead + gap, WALL_STATIONS)
+            thread = Solid(triangles=around_arc, colour=OPEN_EDGE, edges=OPEN_EDGE, hides=False)
+            self._groups.append(Group([thread, thread], self._threads))
         hub = hub_of(self.points, stage.rest, 0.5 * stage.tip_radius) if around else None
         if hub is not None:
             self._groups.append(Group([HUB], lambda *at: [Placed(self._placed(hub, at[1]))]))
@@ -180,11 +186,7 @@ class Body:
         wall = stage.wall(index)[:, 0]
         number = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
 
-        def radius(face: Array) -> Array:
-            around = np.arctan2(face[:, 1], face[:, 0])
-            return np.interp(at, around, np.hypot(*face.T), period=2 * np.pi)
-
-        metal = radius(stage.inner(index, stage.coating))
+        metal = _radius(stage.inner(index, stage.coating), at)
         none = np.full_like(number, -1)  # a coating has values on its inner face only
         outer = metal + stage.wall_thickness[number]
         layers = [(metal, outer, np.repeat(number, 4), *stage.edges)]
@@ -192,7 +194,7 @@ class Body:
             worn = stage.wear[index, track] if track >= 0 else 0.0
             values = number + track * len(wall) if track >= 0 else none
             values = np.column_stack([values, values, none, none]).ravel()
-            layers.append((radius(stage.inner(index, worn)), metal, values, first, last))
+            layers.append((_radius(stage.inner(index, worn), at), metal, values, first, last))
 
         def line(radius: Array, axial: float) -> Array:
             return self._placed(stage.wall_edge(radius[:, None] * directions(at), axial), casing)
@@ -205,6 +207,20 @@ class Body:
             for low, high, stations, first, last in layers
         ]
 
+    def _threads(self, index: int, _: float, casing: float) -> list[Placed]:
+        """Return both edges of the inner face of the wall where it is cut open, as thin threads, at
+        the index-th record, turned by an angle [rad]."""
+        stage, at = self.stage, self._open - casing
+        face, thick = stage.wall(index)[:, 0], THREAD * stage.tip_radius
+
+        def line(edge: float, out: float, aside: float) -> Array:
+            radius = _radius(face, at) + out * thick
+            places = stage.wall_edge(radius[:, None] * directions(at), edge + aside * thick)
+            return self._placed(places, casing)
+
+        sides = (0.0, -0.5), (0.0, 0.5), (1.0, 0.5), (1.0, -0.5)
+        return [Placed(tube(*(line(edge, *side) for side in sides))) for edge in stage.edges]
+
     def seen(self, vectors: Array) -> Array:
         """Return vectors (..., 2 or 3) as they are seen in the picture (..., 2)."""
         return self.turned(vectors)[..., :2]
@@ -216,6 +232,11 @@ class Body:
     def _placed(self, points: Array, turn: float) -> Array:
         """Return points (..., 3) turned by an angle [rad], in the axes of the view [m]."""
         return np.asarray((rotate(points, turn) - self._focus) @ self._axes.T)
+
+
+def _radius(face: Array, at: Array) -> Array:
+    """Return the radius of a face (station, 2) at angles [rad]."""
+    return np.interp(at, np.arctan2(face[:, 1], face[:, 0]), np.hypot(*face.T), period=2 * np.pi)
 
 
 def axes_of_view(stage: EnlargedStage, view: View, *, around: bool) -> tuple[Array, Array]:

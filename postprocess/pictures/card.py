@@ -156,7 +156,9 @@ def verdict(data: xr.Dataset) -> str:
         parts.append(f"the smallest gap is {handy(float(data['gap'].min()), 'm', 3)}")
     if data.attrs.get("worst", -1) >= 0:
         one = data.isel(blade=data.attrs["worst"])
-        both = [handy(float(one[name]), "Pa", 3) for name in ("alternating", "mean")]
+        sizes = [float(one[name]) for name in ("alternating", "mean")]
+        unit, scale = handy_unit(max(np.abs(sizes)), "Pa")
+        both = [f"{scale * size:.3g} {unit}" for size in sizes]
         text = f"the stress of blade {data.attrs['worst']} alternates by {both[0]} about {both[1]}"
         if not data.attrs["steady"]:
             text += " (without steady rotation)"

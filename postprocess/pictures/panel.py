@@ -112,7 +112,9 @@ class Panel:
         self._time.input = look.time_text(picture.time, self._drawing.record_step)
         self._show_speed(picture.speed)
         if self._touches:
+            touched = bool(np.any(picture.blade_forces))
             self._contact.input = look.contact_text(picture.blade_forces)
+            self._contact.prop.color = look.FORCE_COLOUR if touched else look.FAINT
         self._numbers.show(picture)
         for inset in (self._orbit, self._line):
             if inset is not None:

@@ -13,7 +13,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Scale
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, Surface, arrows, widened
-from bladewhirl.postprocess.pictures.solids import normals, sharp_edges, smooth_parts
+from bladewhirl.postprocess.pictures.solids import Solid, normals, sharp_edges, smooth_parts
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32
@@ -56,7 +56,7 @@ class StageScene:
         disk, wall = drawing.colouring.disk, drawing.colouring.wall
         self._depth = DEPTH * self.size * bool(drawing.solids)
         self._bodies = [
-            self._add_body(placed, solid.triangles, drawing.colouring.shade(solid))
+            self._add_body(placed, solid, drawing.colouring.shade(solid))
             for placed, solid in zip(first.solids, drawing.solids, strict=True)
         ]
         self._outlines, self._ribbons = [], []
@@ -244,19 +244,21 @@ class StageScene:
             actor.prop.interpolation = "Phong"
         return mesh
 
-    def _add_body(self, surface: Surface, triangles: IntArray, colour: str | Scale) -> Body:
+    def _add_body(self, surface: Surface, solid: Solid, colour: str | Scale) -> Body:
         """Add a lit surface of triangles, and its sharp edges as lines."""
-        smooth, origin = smooth_parts(surface.points, triangles)
+        smooth, origin = smooth_parts(surface.points, solid.triangles)
         mesh = self._add(len(origin), smooth, layer=None, color=colour)
-        return Body(mesh, origin, smooth, self._add_edges(surface.points, triangles))
+        return Body(mesh, origin, smooth, self._add_edges(surface.points, solid))
 
-    def _add_edges(self, points: Array, triangles: IntArray) -> pyvista.PolyData:
-        """Add the sharp edges of a surface of triangles as lines; return the mesh of all points."""
+    def _add_edges(self, points: Array, solid: Solid) -> pyvista.PolyData:
+        """Add the sharp edges of a solid as lines; return the mesh of all points."""
         mesh = pyvista.PolyData(points.copy())
-        edges = sharp_edges(points, triangles)
+        edges = sharp_edges(points, solid.triangles)
         mesh.lines = np.insert(edges, 0, 2, axis=1).ravel()
         mesh.verts = np.zeros(0, np.int64)
-        actor = self.plotter.add_mesh(mesh, color=look.INK, line_width=look.EDGE_WIDTH)
+        actor = self.plotter.add_mesh(
+            mesh, color=solid.edges or look.INK, line_width=look.EDGE_WIDTH
+        )
         actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
         actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -EDGE_OFFSET)
         return mesh

@@ -32,6 +32,7 @@ class Solid:
     """Scale of the values that colour it; None if it has the colour `colour`."""
     colour: str = METAL
     hides: bool = True  #: whether it hides dots and numbers behind it
+    edges: str = ""  #: colour of its sharp edges, ink if empty
 
 
 class Placed(NamedTuple):

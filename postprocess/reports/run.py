@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.inputs.units import handy
+from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.energy.regimes import classify, regime_title
 from bladewhirl.postprocess.fields.by_blade import blade_count, largest_contact_motion, of_blades
 from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -191,11 +191,14 @@ def _loads(dataset: xr.Dataset, stresses: xr.Dataset | None) -> list[tuple[str, 
         remark = f"mean over {handy(force['averaged_over'], 's', 3)}"
         rows.append(("largest force on a blade", handy(force["on_blade"], "N", 3), remark))
     split = None if stresses is None else stress_split(stresses)
-    if split is not None:
-        remark = f"{split['member']}, about a mean of {handy(split['mean'], 'Pa', 3)}"
+    if stresses is not None and split is not None:
+        unit, scale = handy_unit(max(split["alternating"], abs(split["mean"])), "Pa")
+        remark = f"{split['member']}, about a mean of {scale * split['mean']:.3g} {unit}"
+        remark += "" if stresses.attrs["steady"] else ", without steady rotation"
         if split["margin"] is not None:
             remark += f", margin {split['margin']:.3g}"
-        rows.append(("alternating stress", handy(split["alternating"], "Pa", 3), remark))
+        size = f"{scale * split['alternating']:.3g} {unit}"
+        rows.append(("alternating stress", size, remark))
     if has(dataset, "coating"):
         depth = coating_of(dataset).thickness * float(dataset["coating_strain"][-1].max())
         volume = f"{1e9 * float(dataset['wear_volume'][-1]):.3g} mm³ removed"
@@ -206,8 +209,9 @@ def _loads(dataset: xr.Dataset, stresses: xr.Dataset | None) -> list[tuple[str, 
 def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tuple[str, str, str]]:
     """Return the key figures of a run: name, value, remark."""
     ratio, _, rpm = speed_label(dataset).partition(" (")
+    turns = ("speed", rpm.rstrip(")"), f"{ratio}, ω₁: reference frequency")
     end = f"{float(dataset['time'].values[-1]):.6g} s"
-    ran = [("speed", ratio, rpm.rstrip(")")), ("end of the march", end, "")]
+    ran = [turns, ("end of the march", end, "")]
     if has(dataset, "line"):
         force = float(line_bearing_forces(dataset)["force"].max())
         ran += [
@@ -223,7 +227,7 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
     blades = (
         "blades that touched",
         f"{np.count_nonzero(steps)} of {len(steps)}",
-        ", ".join(f"{count} {name}" for name, count in counts.items() if count),
+        ", ".join([*(f"{count} {name}" for name, count in counts.items() if count), LATE]),
     )
     if LOSS in dataset.attrs:
         ran.append(("loss", str(dataset.attrs[LOSS]), ""))
@@ -246,13 +250,16 @@ def _glance(dataset: xr.Dataset, stresses: xr.Dataset | None = None) -> list[tup
         ahead = round(math.degrees(lead))
         angle.append(f"shaft {'leads' if ahead >= 0 else 'lags'} by {abs(ahead)}°")
     whirls = {frame: whirl(late_orbit, frame).text.partition(", ") for frame in FRAMES}
-    return [
-        *ran,
+    moved = [
         (
-            "largest recorded shaft displacement",
+            "largest recorded displacement of the shaft",
             f"{radius:.4g} mm",
             f"{radius / clearance:.3g} times the clearance" if clearance else "",
-        ),
+        )
+    ]
+    return [
+        *ran,
+        *(moved if not has(dataset, "line") else []),  # which has that of all nodes
         *(
             (f"whirl, {frame} frame", direction, ", ".join(filter(None, [rate, LATE])))
             for frame, (direction, _, rate) in whirls.items()

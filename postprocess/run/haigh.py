@@ -17,7 +17,7 @@ from bladewhirl.postprocess.run.stresses import LIMITS, utilisation
 
 NARROWEST = 0.1
 """Without limits the axis of the mean stress reaches at least this share of the largest alternating
-stress on both sides."""
+stress on both sides, of von Mises stresses, which have no sign, on one."""
 ROOM = 1.15  #: largest value of an axis, divided by the largest value drawn
 
 
@@ -79,7 +79,8 @@ def draw_haigh(axes: Axes, data: xr.Dataset) -> None:
         axes.plot(*line, color=COLOURS["k = 1"], clip_on=False)
         top, right = max(top, endurance), max(right, strength)
     else:
-        left, right = min(left, -NARROWEST * top), max(right, NARROWEST * top)
+        signed = data.attrs["measure"] == "beam theory"
+        left, right = min(left, -NARROWEST * top) * signed, max(right, NARROWEST * top)
     worst = data["blade"].values == data.attrs["worst"]
     for here, colour in ((~worst, "k = 0"), (worst, "total")):
         if here.any():  # an empty line that is not clipped would stretch the layout
@@ -123,4 +124,4 @@ def _worst(data: xr.Dataset) -> str:
     if "margin" in data:
         return f"{blade}: margin {float(data['margin'][data.attrs['worst']]):.3g}"
     lacks = [f"material.{name}" for name in LIMITS if name not in data.attrs]
-    return f"{blade}; a margin needs\n{' and '.join(lacks)}"
+    return f"{blade}; no margin, as the case gives no\n{' and no '.join(lacks)}"

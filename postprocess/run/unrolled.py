@@ -119,9 +119,12 @@ def whole_run(data: xr.Dataset) -> xr.Dataset:
 @styled
 def plot_unrolled(data: xr.Dataset) -> Figure:
     """Draw the casing unrolled in the whole run, from `unrolled`: in the static frame by angle, in
-    the rotating frame by blade; as maps over the axial position, if there are several."""
-    shown = [name for name in QUANTITIES if name in data]
+    the rotating frame by blade; as maps over the axial position, if there are several. Without
+    contact there is no panel of the force."""
     seen = whole_run(data)
+    shown = [name for name in QUANTITIES if name in seen]
+    if not seen["force"].any():
+        shown.remove("force")
     by_blade = [name for name in shown if f"blade_{name}" in seen]
     if data.sizes["axial"] == data.sizes["blade"] == 1:
         by_blade = []
@@ -172,6 +175,8 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
         look = {"vmin": 0.0, "vmax": scale * max(both) or 1.0, "cmap": COLOUR_MAPS[MAPS[kind]]}
         shown = np.ma.masked_where(values == 0.0, scale * values)  # zero is white
         draw_map(axes, across, up, shown, label=label, **look)
+        if not np.nan_to_num(values).any():
+            axes.annotate("zero everywhere", (0.5, 0.5), None, "axes fraction", ha="center")
     elif len(axial) > 1:
         axes.plot(scale * values[:, 0], larger * axial, ".-", color=COLOURS["total"])
         axes.set(xlabel=label, xlim=(0, 1.05 * scale * max(both) or 1.0))
