@@ -27,8 +27,8 @@ from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShap
 Wave = Direction
 
 PICTURES = 48  #: number of records in one period of a mode
-#: largest displacement of a motion, divided by the tip radius, if the clearance is zero
 SHARE_OF_CLEARANCE = 0.7  #: largest displacement of a mode, divided by the clearance
+#: largest displacement of a motion, divided by the tip radius, if the clearance is zero
 SHARE_OF_RADIUS = 1e-3
 BEAM_STATIONS = 8
 """Number of pieces of a beam; the largest displacement is searched at the ends of the pieces."""

@@ -117,8 +117,9 @@ def export_vtk(
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
     Separate blades, whose file does not contain a disk, have the part `hub`, a ring below them with
-    zero `displacement` and `warp`. A shaft line has the parts `shaft`, its surface, and `bearings`, rings that move with the
-    supports, with `displacement` and `warp`; without a wheel it has no others.
+    zero `displacement` and `warp`. A shaft line has the parts `shaft`, its surface, and `bearings`,
+    rings that move with the supports, with `displacement` and `warp`; without a wheel it has no
+    others.
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
     all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
