@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from bladewhirl.models.case.casing import OF_ANGLES
 from bladewhirl.models.case.check import UNKNOWN_KEY, faults_of
 from bladewhirl.models.case.joint_faults import joint_faults, ring_faults
 from bladewhirl.models.case.sensors import sensor_faults
@@ -89,12 +90,18 @@ class Case(Tables):
         walls = {} if self.shaft_line is None else self.shaft_line.walls
         if not walls:
             return []
-        names = ("clearance_lobes", "profile", "closure", "coating")
         turned = [key for key, wheel in walls.items() if wheel.superelement.angle]
         return [
-            *(f"casing.{name}" for name in names if getattr(self.casing, name)),
+            *(f"casing.{name}" for name in OF_ANGLES if getattr(self.casing, name)),
             *(f"shaft_line.{key.removesuffix('casing')}superelement.angle" for key in turned),
         ]
+
+    @property
+    def unlike_walls(self) -> list[str]:
+        """Keys of the types of further walls that differ from that of the first."""
+        walls = {} if self.shaft_line is None else self.shaft_line.walls
+        kinds = {key: row.casing.type for key, row in walls.items() if row.casing is not None}
+        return [f"shaft_line.{key}.type" for key, kind in kinds.items() if kind != self.casing.type]
 
     @property
     def unknown_materials(self) -> dict[str, str]:
@@ -111,6 +118,11 @@ class Case(Tables):
             "casing.struts": self.casing.struts,
             "shaft_line.segments": self.shaft_line.segments if self.shaft_line else (),
         }
+        for key, row in (self.shaft_line.walls if self.shaft_line else {}).items():
+            wall = row.casing
+            assert wall is not None
+            sections[f"shaft_line.{key}.wall"] = [wall.wall]
+            sections[f"shaft_line.{key}.struts"] = wall.struts
         unknown = {
             key: [one.material for one in among if one.material not in named]
             for key, among in sections.items()

@@ -22,6 +22,9 @@ ELEMENTS_PER_LOBE = 4
 """Smallest number of elements per wave. With fewer elements, the error of the clearance, which is a
 cubic polynomial between nodes, exceeds 2 % of the amplitude."""
 
+OF_ANGLES = ("clearance_lobes", "profile", "closure", "coating")
+"""Keys of walls that are not round, or not always."""
+
 
 class Station(Table):
     """Thickness of the wall at one angle around the ring."""

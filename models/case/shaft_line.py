@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, StrictStr
 
+from bladewhirl.models.case.casing import OF_ANGLES, Casing
 from bladewhirl.models.case.superelement import SuperelementTable
 from bladewhirl.models.inputs import fields
 from bladewhirl.models.inputs.table import Table
@@ -138,17 +139,25 @@ class Wheel(Table):
     turns with the wheel it destabilises forward whirl above its critical speed."""
 
 
-class WheelWall(Table):
-    """The rigid wall around a further wheel."""
+class WheelWall(Casing):
+    """The wall around a further wheel, with the elements, the curvature and the rotation of
+    [casing]."""
 
     clearance: fields.LengthOrZero
-    """Radial clearance of each contact node at rest [m], or of `radius`."""
-    radius: fields.Length | None = Field(default=None, examples=['"0.25 m"'])
-    """Radius from which the clearance is measured [m], as casing.radius."""
-    slope: Annotated[float, fields.quantity("rad", "any")] = Field(
-        default=0.0, examples=['"5 deg"']
-    )
-    """Slope of a conical wall, as casing.slope [rad]."""
+    """As casing.clearance [m]; it must be given."""
+    type: Literal["ring", "rigid"] = "rigid"
+    """As casing.type, which must be the same."""
+
+    @property
+    def not_its_own(self) -> list[str]:
+        """Keys that only [casing] has."""
+        names = ("elements", "curvature", "rotation", "contour", *OF_ANGLES)
+        return [name for name in names if getattr(self, name) != Casing.model_fields[name].default]
+
+    def beside(self, casing: Casing) -> Casing:
+        """Return this wall with what it has of [casing]."""
+        shared = ("elements", "curvature", "rotation")
+        return self.model_copy(update={name: getattr(casing, name) for name in shared})
 
 
 class FurtherWheel(Wheel):
@@ -157,8 +166,10 @@ class FurtherWheel(Wheel):
     superelement: SuperelementTable
     """File of the wheel, with hub_dofs: { file = "second.npz" }."""
     casing: WheelWall | None = Field(default=None, examples=['{ clearance = "1 mm" }'])
-    """Rigid wall that its blades touch in a march, { clearance = "1 mm", radius = "0.25 m", slope =
-    "5 deg" }, with the friction of [contact]; without it they touch nothing."""
+    """Wall that its blades touch in a march, with the friction of [contact]; without it they touch
+    nothing. A rigid one is { clearance = "1 mm", radius = "0.25 m", slope = "5 deg" }, a flexible
+    ring { type = "ring", clearance = "1 mm", wall = { width = "40 mm", thickness = "5 mm" } }, with
+    further keys of [casing]: support, springs, struts, thickness_lobes ..."""
 
 
 class AxialSpring(Table):
@@ -275,6 +286,12 @@ class ShaftLine(Table):
         """Further wheels with a wall, by the keys of their walls."""
         rows = enumerate(self.wheels)
         return {f"wheels.{n}.casing": row for n, row in rows if row.casing is not None}
+
+    @property
+    def walled(self) -> list[int]:
+        """Numbers of the wheels that can have a wall: 0 for the first, 1 ... for the rows of
+        `wheels` with one."""
+        return [0, *(n for n, row in enumerate(self.wheels, start=1) if row.casing is not None)]
 
     @property
     def doubled(self) -> list[str]:

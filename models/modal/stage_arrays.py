@@ -167,6 +167,15 @@ class StageArrays:
     joint_gap: FloatArray = absent()  #: gap of each pair without displacements [m], (pairs,)
     joint_axes: FloatArray = absent()
     """Normal and two tangents of each pair: radial, tangential, axial, (pairs, 3, 3)."""
+    wheel: IntArray = absent()
+    """Wheel of each contact node, if several wheels of a shaft line have a wall, (contact nodes,):
+    0 for the first, 1 ... for the further ones in the order of the case."""
+    casing_wheel: IntArray = absent()
+    """Wheel inside each casing node, if several have a flexible ring, (casing nodes,)."""
+    ring_radius: FloatArray = absent()
+    """Radius of the ring of each casing node then [m], (casing nodes,)."""
+    wall_wheel: IntArray = absent()  #: wheel inside each value of `clearance` then, (angles,)
+    support_wheel: IntArray = absent()  #: wheel inside the ring of each support then, (supports,)
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

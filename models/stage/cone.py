@@ -81,16 +81,20 @@ def in_cone(
     slope [rad], or under a contour with a slope at each contact node of a copy, (nodes,).
 
     Under a contour the casing has to be rigid, because the radial force on it differs from node to
-    node.
+    node. With flexible rings around several wheels the slope is that of the ring of each node.
     """
     if not np.any(slope):
         return rotor, casing
     contact, compliance = in_wall_axes(rotor.contact, slope), rotor.compliance
     if compliance is not None:
         compliance = np.stack([compliance_in_wall_axes(each, slope) for each in compliance])
-    part, shorter = np.cos(slope), wall_share(slope)
-    own = part if np.ndim(slope) else 1.0
-    along = np.array([shorter, shorter, 1.0, 1.0])  # w, dw/ds, u, du/ds
+    part, shorter = np.cos(slope), np.full(len(casing.nodal), wall_share(slope))
+    own = 1.0 if np.ndim(slope) == 0 or casing.is_flexible else part
+    if np.ndim(slope) and casing.is_flexible:
+        _, first = np.unique(rotor.wall, return_index=True)
+        shorter = np.repeat(part[first], casing.elements)
+    along = np.ones(casing.nodal.shape[:2])  # w, dw/ds, u, du/ds
+    along[:, :2] = shorter[:, None]
     recess = (
         np.tile(np.broadcast_to(part, len(rotor.contact_radius)), rotor.copies) * rotor.tip_recess
     )
@@ -104,7 +108,7 @@ def in_cone(
         ),
         replace(
             casing,
-            nodal=along[:, None] * casing.nodal,
-            clearance=shorter * casing.clearance,
+            nodal=along[..., None] * casing.nodal,
+            clearance=shorter[:, None] * casing.clearance,
         ),
     )

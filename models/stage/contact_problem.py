@@ -25,7 +25,7 @@ from bladewhirl.models.stage.joint_contacts import JointContacts
 from bladewhirl.models.stage.modal_loads import Load, Start
 from bladewhirl.models.stage.reduced_rotor import ReducedRotor
 from bladewhirl.models.stage.varying_speed import FreeSpeed, Rotation, SpeedChange
-from bladewhirl.models.stage.wall import ReducedCasing, WallClosure, around_wall
+from bladewhirl.models.stage.wall import ReducedCasing, WallClosure
 from bladewhirl.models.stage.wall_coating import WallCoating
 
 Bodies = list[tuple[FloatArray, FloatArray]]
@@ -103,7 +103,7 @@ class ContactProblem:
         by_copy = force.reshape(rotor.copies, -1, 3)
         pull = by_copy[..., 0] @ rotor.tip_radial + by_copy[..., 1] @ rotor.tip_tangential
         pull = pull + by_copy[..., 2] @ rotor.tip_axial
-        pushed = casing.shapes_at(rotor.tip_angle + turned.angle)
+        pushed = casing.shapes_at(rotor.tip_angle + turned.angle, rotor.wall)
         return pull.ravel(), -np.einsum("td,tdm->m", force[:, :2], pushed)
 
     def clearance(self, time: float) -> FloatArray:
@@ -159,7 +159,7 @@ class ContactProblem:
             around = rotor.at_tips(rotor.tip_tangential, start.rotor)
             angle = angle + (around.reshape(rotor.copies, -1) / rotor.contact_radius).ravel()
         field = casing.nodal[:, :2] @ start.casing + self.clearance(time)
-        surface = around_wall(field, casing.element_length, angle)
+        surface = casing.at(field, angle, rotor.wall)
         gap = (
             rotor.normal_part * surface
             + self.metal_recess

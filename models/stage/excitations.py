@@ -242,8 +242,8 @@ def radial_mode(stage: Ring, k: int, key: str = "excitation") -> int:
     Raises:
         CaseError: there is no such mode.
     """
-    modes = stage.casing_modes  # masses of supports follow them
-    nodal = stage.reduced_casing.nodal[..., : stage.reduced_casing.wall_modes]
+    modes = stage.casing_modes  # those of further rings and masses of supports follow them
+    nodal = stage.casing.nodal(modes.fields(np.arange(modes.count)))
     wall = nodal[:, W]
     cosine = np.cos(k * stage.casing.mesh.angles) @ wall
     positions = np.flatnonzero(

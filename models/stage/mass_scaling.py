@@ -64,7 +64,7 @@ def screening_problem(problem: ContactProblem, timing: Timing) -> tuple[ContactP
             f"march.time_step below {step:.4g} s, the time step of a screening march; otherwise"
             " screening saves no time"
         )
-    element = 2.0 * np.pi / len(problem.casing.nodal)
+    element = 2.0 * np.pi / problem.casing.elements
     if not abs(problem.speed) * step < element:
         raise ValueError(
             f"a speed below {element / step:.4g} rad/s, at which a tip passes an element of the"
@@ -121,7 +121,7 @@ def with_scaled_casing(problem: ContactProblem, cut: float) -> ContactProblem:
 def _wall_rows(casing: ReducedCasing) -> list[FloatArray]:
     """Return, for each of `PLACES` positions in an element, the radial displacement of the wall for
     unit modal coordinates, (elements, modes)."""
-    nodal, following = casing.nodal, np.roll(casing.nodal, -1, axis=0)
+    nodal, following = casing.nodal, casing.nodal[casing.closed[:, 1:].ravel()]
     ends = (nodal[:, W], nodal[:, W_SLOPE], following[:, W], following[:, W_SLOPE])
     at = (np.arange(PLACES) + 0.5) / PLACES
     return [

@@ -53,6 +53,8 @@ class ReducedRotor:
     the wall varies, (tips,); a slope common to all tips is in the clearance."""
     joined: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """Contact nodes of a copy that are in friction joints and do not touch the wall, (joined,)."""
+    wall: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Number of the wall around each tip, (all tips,); empty with one wall."""
     circulation: float = 0.0
     """Damping at the centre in the static frame, times the speed [N/m]. In rotating axes a
     displacement (x, y) of the centre causes the force `circulation` times (y, -x)."""

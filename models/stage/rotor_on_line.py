@@ -5,7 +5,7 @@ which the rotation acts in full. Its modes contain the static displacements by f
 bearings. Contact nodes are those of the wheel of [bladed_disk].
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -66,7 +66,7 @@ class RotorOnLine(StageOnLine, Matrices):
     """A shaft line with wheels, reduced; the masses of its supports are modes of the casing."""
 
     part: LineRotor
-    ring: Ring  #: the casing without supports
+    ring: Ring  #: the casing without supports, with the rings of all wheels
     on_line: OnLine  #: the rotor at rest
     wheels: tuple[Superelement, ...]  #: its wheels with their hubs
 
@@ -126,7 +126,9 @@ class RotorOnLine(StageOnLine, Matrices):
     @property
     def recess(self) -> FloatArray:
         """See `Matrices.recess`; that of further wheels also has the difference of the clearances
-        of their walls from that of the first."""
+        of their rigid walls from that of the first."""
+        if self.case.casing.type == "ring":
+            return super().recess
         first, radius = self.case.casing.clearance, self.part.contact_radius
         further = [
             wall.clearance - first + (0.0 if wall.radius is None else wall.radius - own)
@@ -158,6 +160,16 @@ class RotorOnLine(StageOnLine, Matrices):
         wheel = int(np.searchsorted(np.cumsum(self.part.wheel_nodes), node, side="right"))
         keys = [f"shaft_line.{key}.clearance" for key in self.line.table.walls]
         return ["casing.clearance", *keys][wheel]
+
+    @cached_property
+    def without_dampers(self) -> ReducedRotor:
+        rotor, nodes = super().without_dampers, self.part.wheel_nodes
+        if self.reduced_casing.walls == 1:
+            return rotor
+        return replace(rotor, wall=np.repeat(np.arange(len(nodes)), nodes))
+
+    def wall_arrays(self, modes: IntArray) -> dict[str, Any]:
+        return self.ring.wall_arrays(modes[: self.reduced_casing.wall_modes])
 
     def unit_forces(self, load: EngineOrder) -> FloatArray:
         return self._on_first(super().unit_forces(load))
@@ -264,12 +276,6 @@ class RotorOnLine(StageOnLine, Matrices):
     def own_properties(self) -> dict[str, Any]:
         return {"modes": self.reduced.size, "copies": self.table.copies}
 
-    @property
-    def attributes(self) -> Mapping[str, str | float | int]:
-        if not self._walls:
-            return super().attributes
-        return {**super().attributes, "first_wheel_blades": self.table.copies}
-
     def own_hints(self) -> Iterator[str]:
         """Yield a warning if what the drive turns rigidly has almost no inertia."""
         drive = self.case.march.drive
@@ -290,13 +296,12 @@ class RotorOnLine(StageOnLine, Matrices):
 
     @cached_property
     def shown_arrays(self) -> StageArrays:
-        wall, kept = self.ring.reduced_casing, np.arange(self.reduced_casing.wall_modes)
-        shown = replace(self, reduced_casing=wall, kept=replace(self.kept, casing=kept))
-        arrays = super(RotorOnLine, shown).shown_arrays
         table, hub = self.line.table, self.wheels[0].hub_position
         assert hub is not None
+        wheel = np.repeat(table.walled, self.part.wheel_nodes)
         return replace(
-            arrays,
+            super().shown_arrays,
+            wheel=wheel if self._walls else wheel[:0],
             shaft_position=self.line.position,
             shaft_radius=self.line.outer_radius,
             wheel_origin=float(self.line.position[self.line.wheels[0].node] - hub[2]),

@@ -1,8 +1,10 @@
 """The wall around a bladed disk: a ring in its modes or rigid, and clearance that is lost."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
@@ -13,15 +15,18 @@ SEEN = 1e-9  #: harmonics below this fraction of the largest value are rounding 
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedCasing:
-    """A casing in modal coordinates in the static frame; a rigid wall has no modes."""
+    """A casing in modal coordinates in the static frame; a rigid wall has no modes. It has one wall
+    or several, each around a wheel: the nodes of walls of equal number of nodes follow each
+    other."""
 
     frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     damping_ratio: FloatArray  #: damping ratio of each mode, (modes,)
     nodal: FloatArray
-    """Radial displacement w, tangential displacement u and their derivatives by the arc length s at
-    each node, in the order w, dw/ds, u, du/ds [kg^-1/2], (nodes, 4, modes)."""
+    """Radial displacement w, tangential displacement u and their derivatives by the arc length s
+    along the first wall at each node, in the order w, dw/ds, u, du/ds [kg^-1/2], (nodes, 4,
+    modes)."""
     clearance: FloatArray  #: clearance and its derivative by s at each node [m, 1], (nodes, 2)
-    radius: float  #: radius of the ring [m]
+    radius: float  #: radius of the ring, the first one [m]
     column: IntArray
     """Column of the discrete Fourier transform over the nodes to which the shape of each mode
     belongs, (modes,); -1 without symmetry."""
@@ -29,6 +34,7 @@ class ReducedCasing:
     """Rows G of the damping matrix G^T G of point dampers [s^-1/2], (dampers, modes)."""
     supports: int = 0
     """Number of supports of bearings, whose displacements along x and y are the last modes."""
+    walls: int = 1  #: number of walls
 
     @classmethod
     def rigid(cls, clearance: FloatArray, radius: float) -> "ReducedCasing":
@@ -65,15 +71,25 @@ class ReducedCasing:
         return replace(self.take(np.arange(self.wall_modes)), supports=0)
 
     @property
+    def elements(self) -> int:
+        """Number of elements, and of nodes, of a wall."""
+        return len(self.nodal) // self.walls
+
+    @property
+    def closed(self) -> IntArray:
+        """Numbers of the nodes of each wall and of its first node again, (walls, elements + 1)."""
+        nodes = np.arange(len(self.nodal)).reshape(self.walls, -1)
+        return np.hstack([nodes, nodes[:, :1]])
+
+    @property
     def angle(self) -> FloatArray:
         """Angle of each node from +x [rad], (nodes,)."""
-        nodes = len(self.nodal)
-        return np.asarray(2.0 * np.pi * np.arange(nodes) / nodes)
+        return np.tile(2.0 * np.pi * np.arange(self.elements) / self.elements, self.walls)
 
     @property
     def element_length(self) -> float:
-        """Arc length of one element [m]."""
-        return 2.0 * np.pi * self.radius / len(self.nodal)
+        """Arc length of one element of the first wall [m]."""
+        return 2.0 * np.pi * self.radius / self.elements
 
     @property
     def by_harmonics(self) -> bool:
@@ -83,15 +99,23 @@ class ReducedCasing:
         """
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
-    def shapes_at(self, angle: FloatArray) -> FloatArray:
-        """Return the radial and tangential displacements at angles [rad] for unit modal
-        coordinates [kg^-1/2], (angles, 2, modes)."""
+    def shapes_at(self, angle: FloatArray, wall: int | IntArray = 0) -> FloatArray:
+        """Return the radial and tangential displacements of a wall, or of one for each angle, at
+        angles [rad] for unit modal coordinates [kg^-1/2], (angles, 2, modes)."""
         found = np.zeros((len(angle), 2, len(self.frequency)))
         for direction, rows in enumerate((slice(0, 2), slice(2, 4))):
             for mode in range(len(self.frequency)):
-                field = self.nodal[:, rows, mode]
-                found[:, direction, mode] = around_wall(field, self.element_length, angle)
+                found[:, direction, mode] = self.at(self.nodal[:, rows, mode], angle, wall)
         return found
+
+    def at(self, field: FloatArray, angle: FloatArray, wall: int | IntArray = 0) -> FloatArray:
+        """Return a field (nodes, 2) on a wall, or on one for each angle, at angles [rad], see
+        `around_wall`."""
+        if self.walls == 1:
+            return around_wall(field, self.element_length, angle)
+        own = np.broadcast_to(wall, angle.shape)
+        each = [around_wall(one, self.element_length, angle) for one in np.split(field, self.walls)]
+        return np.asarray(np.take_along_axis(np.stack(each), own[None], axis=0)[0])
 
     def take(self, modes: IntArray) -> "ReducedCasing":
         """Return the casing with the chosen modes."""
@@ -105,6 +129,31 @@ class ReducedCasing:
             column=self.column[modes],
             dampers=self.dampers[:, modes],
         )
+
+
+def joined_walls(rings: Sequence[ReducedCasing]) -> ReducedCasing:
+    """Return the casing of several rings of equal number of elements, each around a wheel; one ring
+    as it is."""
+    first, *others = rings
+    if not others:
+        return first
+    # A slope is multiplied by the arc length of an element, for all walls that of the first.
+    scale = [np.array([1.0, one.radius / first.radius]) for one in rings]
+    nodal = [one.nodal * np.tile(own, 2)[:, None] for one, own in zip(rings, scale, strict=True)]
+    return replace(
+        first,
+        frequency=np.concatenate([one.frequency for one in rings]),
+        damping_ratio=np.concatenate([one.damping_ratio for one in rings]),
+        nodal=np.concatenate(
+            [block_diag(*(one[:, kind] for one in nodal))[:, None] for kind in range(4)], axis=1
+        ),
+        clearance=np.concatenate(
+            [one.clearance * own for one, own in zip(rings, scale, strict=True)]
+        ),
+        column=np.full(sum(len(one.frequency) for one in rings), -1),
+        dampers=block_diag(*(one.dampers for one in rings)),
+        walls=len(rings),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

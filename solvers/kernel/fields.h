@@ -113,7 +113,7 @@ INLINED void fold_field(const Matrix *fold, int64_t half, int64_t middle, const 
     }
 }
 
-/* Compute values and slopes of a field at the casing nodes from its columns; node 0 is repeated.
+/* Compute values and slopes of a field at the casing nodes from its columns.
  * Returns the values and slopes: those of the start for a rigid wall. */
 static const Matrix *nodal_field(const Casing *casing, const NodalField *field, FieldScratch *f)
 {
@@ -128,8 +128,6 @@ static const Matrix *nodal_field(const Casing *casing, const NodalField *field, 
     }
     combine_rows(&field->shape, f->value.at, value);
     combine_rows(&field->slope_shape, f->slope.at, slope);
-    value[casing->nodes] = value[0];
-    slope[casing->nodes] = slope[0];
     for (int64_t i = 0; i < start->columns; i += LANES) {
         store(value + i, add(load(value + i), load(start->at + i)));
         store(slope + i, add(load(slope + i), load(start->at + start->columns + i)));

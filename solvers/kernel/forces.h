@@ -180,7 +180,7 @@ static void casing_forces(const March *m, int64_t size, const double *force)
     const FieldScratch *f = &m->scratch->fields;
     const int64_t *list = m->scratch->nodes.list.at;
     ContactScratch *c = &m->scratch->contact;
-    int64_t width = f->hermite.columns, wide = c->factor.columns, nodes = m->stage.casing->nodes;
+    int64_t width = f->hermite.columns, wide = c->factor.columns;
     double *factor = c->factor.at;
     for (int64_t n = 0; n < size; n++) {
         int64_t j = list[n], e = f->element.at[j];
@@ -189,7 +189,7 @@ static void casing_forces(const March *m, int64_t size, const double *force)
             int64_t to = 2 * n + end;
             double value = f->hermite.at[2 * end * width + j];
             double slope = f->hermite.at[(2 * end + 1) * width + j];
-            c->rows.at[to] = e + end < nodes ? e + end : 0;
+            c->rows.at[to] = e + end;
             factor[W_KIND * wide + to] = push * value;
             factor[W_SLOPE * wide + to] = push * slope;
             factor[U_KIND * wide + to] = drag * value;

@@ -216,6 +216,8 @@ static void place_nodes(const March *m)
     }
     hermite_weights(places, m->rotation.elements, (double)casing->nodes, casing->element_length,
                     f->element.size, f->hermite.columns, f->element.at, f->hermite.at);
+    for (int64_t n = 0; n < rotor->wall.size; n++)
+        f->element.at[n] += rotor->wall.at[n];
 }
 
 /* Compute the gaps of radial displacements from the sums of w and w' by column. Returns whether all
@@ -257,7 +259,7 @@ static int keeps_limit(const March *m)
     FieldScratch *f = &m->scratch->fields;
     double limit = m->stage.numbers->displacement_limit;
     int within = 1;
-    for (int64_t i = 0; casing->modes > 0 && i < casing->nodes; i++)
+    for (int64_t i = 0; casing->modes > 0 && i < casing->radial.spread.rows; i++)
         within &= fabs(f->nodal.at[i] - casing->radial.start.at[i]) <= limit;
     for (int direction = 0; direction < DIRECTIONS; direction++) {
         node_field(rotor, direction, m->x.new, NULL, f, f->moved.at);

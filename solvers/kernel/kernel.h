@@ -3,8 +3,8 @@
  * Python makes these structs from NumPy arrays (`structs.py`). The comment of an array begins with
  * its shape, with which Python makes and checks the array: numbers, or names of lengths, which have
  * the same value in the entire struct. Arrays that a march does not need are empty. Matrices are
- * stored row by row. The lengths `columns`, `wide` (tips or nodes) and `closed` (nodes, and the
- * first node again) are padded with zeros to a multiple of LANES. All lines for the preprocessor
+ * stored row by row. The lengths `columns`, `wide` (tips or nodes) and `closed` (nodes of each wall,
+ * and its first node again) are padded with zeros to a multiple of LANES. All lines for the preprocessor
  * begin with #; the other lines are passed to cffi.
  */
 #ifndef KERNEL_H
@@ -101,6 +101,8 @@ typedef struct {
                          * of the radial displacements of all nodes, then of the others [m/N] */
     Vector radius;      /* (wide) radius of each node [m] */
     Vector position;    /* (wide) angle of each node in elements of the casing */
+    IntVector wall;     /* (tips) number of the first node of the wall around each node; empty with
+                         * one wall */
     Vector recess;      /* (wide) gap of each node at rest minus the clearance [m] */
     Vector normal_part; /* (wide) part of radial lengths that is normal to the wall at each node, on
                          * top of what the clearance contains */
@@ -173,13 +175,15 @@ typedef struct {
     Matrix slope_weight; /* (rows, columns) weights of the slopes */
     int64_t half;        /* offset from a column to the column of its sum, see `column_sums` */
     int64_t slope_half;  /* the same offset for slopes */
-    Matrix shape;        /* (sums, wide) value of each column at each node */
-    Matrix slope_shape;  /* (sums, wide) slope of each column at each node */
-    Matrix spread;       /* (nodes, columns) transpose of `shape` */
-    Matrix slope_spread; /* (nodes, columns) transpose of `slope_shape` */
+    Matrix shape;        /* (sums, closed) value of each column at each node */
+    Matrix slope_shape;  /* (sums, closed) slope of each column at each node */
+    Matrix spread;       /* (closed_nodes, columns) transpose of `shape` */
+    Matrix slope_spread; /* (closed_nodes, columns) transpose of `slope_shape` */
     Matrix start;        /* (2, closed) nodal clearance and its slope for w, zero for u [m, 1] */
 } NodalField;
 
+/* The casing. It has one wall or several, each around some contact nodes: walls of equal number of
+ * nodes follow each other in all arrays over nodes, each with its first node again. */
 typedef struct {
     Body body;
     NodalField radial;
@@ -191,8 +195,8 @@ typedef struct {
     Vector compliance;     /* (compliance) tables of blocks of 4 x 4, see `compliance.h` */
     int64_t spacing;       /* number of blocks of a table between consecutive elements */
     int64_t modes;         /* number of modes; 0 for a rigid wall */
-    int64_t nodes;         /* number of nodes, which is also the number of elements */
-    double element_length; /* arc length of an element [m] */
+    int64_t nodes;         /* number of nodes of a wall, which is also the number of elements */
+    double element_length; /* arc length of an element, to which slopes belong [m] */
 } Casing;
 
 /* Modes of one body that are coupled by the springs. */

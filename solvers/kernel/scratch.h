@@ -49,7 +49,7 @@ typedef struct {
     Vector blades;     /* a field at the blades */
     Vector value;      /* sums by column for the nodal values of the casing */
     Vector slope;      /* sums by column for the nodal slopes of the casing */
-    Matrix nodal;      /* nodal values and slopes of a field of the casing, node 0 repeated */
+    Matrix nodal;      /* nodal values and slopes of a field of the casing */
     Vector change;     /* change of the displacements of a body */
     Vector at;         /* position of each node in elements */
     IntVector element; /* element under each node */

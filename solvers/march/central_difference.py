@@ -444,7 +444,7 @@ class CentralDifference:
 
 def _numbers(problem: ContactProblem, dt: float) -> Struct:
     casing = problem.casing
-    per_radian = len(casing.nodal) / (2.0 * np.pi)
+    per_radian = casing.elements / (2.0 * np.pi)
     return Struct(
         "Numbers",
         time_step=dt,

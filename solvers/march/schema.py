@@ -57,9 +57,9 @@ class Variable(NamedTuple):
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
     motion of the "centre", its "springs", "growth" of the tips, contact "nodes" whose motion is
     recorded, "points" for pictures, "gauges", "stress" at points, a flexible "casing", a "coating",
-    a "speed" that varies, "critical" speeds in its range, a known "inertia" of the rotation, the
-    "drive" of a free speed, sudden "changes", a shaft "line" and its "wheel", friction
-    "joints", "dampers" in them; "" for all."""
+    several "wheels" with walls, "rings" around them, a "speed" that varies, "critical" speeds in
+    its range, a known "inertia" of the rotation, the "drive" of a free speed, sudden "changes", a
+    shaft "line" and its "wheel", friction "joints", "dampers" in them; "" for all."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

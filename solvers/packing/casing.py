@@ -38,18 +38,20 @@ def pack_casing(
         friction: friction coefficient of nodes that slide in a given direction; None if friction is
             opposite to the slip velocity.
     """
-    (nodes, kinds, modes), moving = casing.nodal.shape, casing.is_flexible
+    (_, kinds, modes), moving = casing.nodal.shape, casing.is_flexible
+    closed = casing.closed.ravel()
     if cyclic:
         arrangement, weight, shape = _cyclic_casing(casing)
         # All kinds of nodal values share one array, so that less memory is read.
-        shapes, spreads = [by_column(shape, arrangement)] * kinds, [aligned_copy(shape)] * kinds
+        shapes = [by_column(shape[closed], arrangement)] * kinds
+        spreads = [aligned_copy(shape[closed])] * kinds
     else:
         arrangement = dense_arrangement(modes)
         weight = np.ones((kinds, modes))
-        wide = arrangement.pack(casing.nodal.transpose(1, 0, 2))
+        wide = arrangement.pack(casing.nodal[closed].transpose(1, 0, 2))
         shape = wide[0]
         shapes, spreads = [by_column(w, arrangement) for w in wide], [*map(aligned_copy, wide)]
-    clearance = _closed(casing.clearance)
+    clearance = lengthened(casing.clearance[closed].T)
     weights, half = [arrangement.grid(w) for w in weight], arrangement.half
     radial, tangential = (
         Struct(
@@ -79,17 +81,11 @@ def pack_casing(
         half=half,
         shared=cyclic,
         compliance=aligned_copy(tables.reshape(-1)),
-        spacing=1 if cyclic else nodes if nodes > 1 and moving else 0,
+        spacing=1 if cyclic else len(closed) if moving else 0,
         modes=casing.wall_modes,
-        nodes=nodes,
+        nodes=casing.elements,
         element_length=casing.element_length,
     )
-
-
-def _closed(values: FloatArray) -> FloatArray:
-    """Return values and slopes at nodes (nodes, 2) as rows, with the first node again at the
-    end."""
-    return lengthened(values[np.append(np.arange(len(values)), 0)].T)
 
 
 def pack_closure(closure: WallClosure | None) -> Struct | None:
@@ -99,7 +95,7 @@ def pack_closure(closure: WallClosure | None) -> Struct | None:
     course = closure.course
     return Struct(
         "Closure",
-        share=_closed(closure.share),
+        share=lengthened(np.vstack([closure.share, closure.share[:1]]).T),
         table=np.reshape(course.table, (-1, 2)).astype(np.float64),
         amount=course.amount,
         rate=1.0 / (course.time_constant or np.inf),
@@ -163,20 +159,23 @@ def _compliance(
     element within a time step dt. An end has a value and a slope.
 
     Returns:
-        tables of blocks of 4 x 4 (force, displacement) for every pair of elements, (tables,
-        elements, elements, 4, 4), or, for a cyclic casing, for every difference of the numbers of
-        two elements, from -nodes to nodes - 1, (tables, 2 * elements, 4, 4). The tables are w for
-        the sliding directions -1, 0 and 1; without `friction`, w due to forces along w and u, and u
-        due to these forces.
+        tables of blocks of 4 x 4 (force, displacement) for every pair of elements, numbered as the
+        nodes at which they begin, of which each wall has the first one again, (tables, closed,
+        closed, 4, 4), or, for a cyclic casing, for every difference of the numbers of two elements,
+        from -nodes to nodes - 1, (tables, 2 * elements, 4, 4). The tables are w for the sliding
+        directions -1, 0 and 1; without `friction`, w due to forces along w and u, and u due to
+        these forces.
     """
     nodes, kinds, modes = casing.nodal.shape
     rows = casing.nodal.reshape(nodes * kinds, modes)
     forces = rows * scheme_inverse(casing.frequency, casing.damping_ratio, dt)
     response = (forces @ rows.T).reshape(nodes, 2, 2, nodes, 2, 2)  # node, w or u, value or slope
-    ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
+    closed = casing.closed.ravel()  # no element begins at the last node of a wall
+    ends = np.column_stack([closed, np.roll(closed, -1)])
+    ends = ends[:nodes] if cyclic else ends
     pairs = response[ends[:1] if cyclic else ends][:, :, :, :, ends]
     # force element, end, w or u, slope; displacement element, end, w or u, slope
-    tables = pairs.transpose(6, 2, 4, 0, 1, 3, 5, 7).reshape(4, nodes, -1, 4, 4)
+    tables = pairs.transpose(6, 2, 4, 0, 1, 3, 5, 7).reshape(4, len(ends), -1, 4, 4)
     if friction is not None:
         tables = np.array([tables[0] + s * friction * tables[1] for s in (-1.0, 0.0, 1.0)])
     return np.tile(tables[:, :, 0], (1, 2, 1, 1)) if cyclic else tables

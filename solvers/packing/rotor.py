@@ -187,13 +187,14 @@ def _body(problem: ContactProblem, arrangement: Arrangement, dt: float) -> Struc
     return pack_body(rotor.frequency, rotor.damping_ratio, loads, arrangement, dt, coupled=coupled)
 
 
-def _places(problem: ContactProblem) -> dict[str, FloatArray]:
-    angle, elements = problem.rotor.tip_angle, len(problem.casing.nodal)
+def _places(problem: ContactProblem) -> Arrays:
+    rotor, elements = problem.rotor, problem.casing.elements
     return {
-        "position": lengthened(angle * elements / (2.0 * np.pi)),
-        "radius": lengthened(np.tile(problem.rotor.contact_radius, problem.rotor.copies)),
+        "wall": (elements + 1) * rotor.wall,
+        "position": lengthened(rotor.tip_angle * elements / (2.0 * np.pi)),
+        "radius": lengthened(np.tile(rotor.contact_radius, rotor.copies)),
         "recess": lengthened(problem.metal_recess),
-        "normal_part": lengthened(problem.rotor.normal_part),
+        "normal_part": lengthened(rotor.normal_part),
     }
 
 

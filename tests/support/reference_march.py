@@ -551,14 +551,16 @@ class Reference:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return w and u of the casing modes at angles, (angles, modes), and the clearance at step
         n, (angles,)."""
-        casing = self._problem.casing
-        nodes, length = len(casing.nodal), casing.element_length
+        casing, wall = self._problem.casing, self._problem.rotor.wall
+        nodes, length = casing.elements, casing.element_length
         at = np.mod(angle * nodes / (2.0 * np.pi), nodes)
-        first = np.floor(at).astype(np.int64) % nodes
+        element = np.floor(at).astype(np.int64) % nodes
+        start = nodes * (wall if wall.size else 0)
+        first, second = start + element, start + (element + 1) % nodes
         weights = cubics(at - np.floor(at), length)
 
         def under(values: FloatArray) -> FloatArray:
-            ends = np.concatenate([values[first], values[(first + 1) % nodes]], axis=1)
+            ends = np.concatenate([values[first], values[second]], axis=1)
             return np.asarray(np.einsum("kt,tk...->t...", weights, ends))
 
         clearance = under(self._problem.clearance(n * self._dt))
