@@ -9,6 +9,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray, tip_rows
 from bladewhirl.postprocess.fields.lost_blades import masked
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.result import portions
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 
 LARGE_DISPLACEMENT = 0.1
 """Displacement of a tip, divided by the length of the blade, above which a linear model is no
@@ -39,15 +40,6 @@ def blade_starts(dataset: xr.Dataset) -> IntArray:
 def blade_count(dataset: xr.Dataset) -> int:
     """Return the number of blades."""
     return len(blade_starts(dataset))
-
-
-def of_first_wheel(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result with the contact nodes of the first of several wheels on a shaft line, which
-    pictures show; other results as they are."""
-    blades = dataset.attrs.get("first_wheel_blades")
-    if blades is None:
-        return dataset
-    return dataset.isel(contact_node=dataset["blade"].values < int(blades))
 
 
 def of_blades(dataset: xr.Dataset, values: Array, choice: np.ufunc = np.add) -> Array:

@@ -25,6 +25,7 @@ from bladewhirl.postprocess.fields.netcdf import (
     expectation,
     open_file,
 )
+from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.solvers.march import schema
 
 PORTION = 4096  #: records read at a time: 5 MB for 156 modes
@@ -262,9 +263,10 @@ def result_fault(dataset: xr.Dataset) -> str:
         if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
             return "'rotor_line' to connect different points"
     if "casing" in parts:
-        angle = dataset["casing_angle"].values
-        if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
-            return "'casing_angle' to increase within one turn"
+        for number in wheel_numbers(dataset):
+            angle = of_wheel(dataset, number)["casing_angle"].values
+            if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
+                return "'casing_angle' to increase within one turn"
     if not dataset.sizes["time"]:
         return "at least one record, found none"
     if not (np.diff(dataset[schema.TIME].values) > 0.0).all():

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
-from bladewhirl.postprocess.fields.by_blade import of_first_wheel
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import contact_nodes
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,

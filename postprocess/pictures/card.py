@@ -19,11 +19,11 @@ from bladewhirl.postprocess.fields.by_blade import (
     blade_count,
     diameter_shares,
     of_blades,
-    of_first_wheel,
 )
 from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.netcdf import has
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.fields.windows import span_starts
 from bladewhirl.postprocess.pictures.flat import MOST_NUMBERS, draw_flat, flat_stage
 from bladewhirl.postprocess.plotting.style import COLOURS, INCH, styled, time_axis

@@ -18,11 +18,11 @@ from bladewhirl.postprocess.fields.by_blade import (
     blade_count,
     blade_length,
     of_blades,
-    of_first_wheel,
 )
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.lost_blades import masked
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.pictures.bodies import COATING, Body
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import colouring, is_normalised

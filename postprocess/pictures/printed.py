@@ -10,7 +10,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from bladewhirl.postprocess.fields.by_blade import blade_starts, of_first_wheel
+from bladewhirl.postprocess.fields.by_blade import blade_starts
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of

@@ -13,8 +13,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields import kinematics, rotation
-from bladewhirl.postprocess.fields.by_blade import of_blades, of_first_wheel
+from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.units import handy
-from bladewhirl.postprocess.fields.by_blade import of_first_wheel
 from bladewhirl.postprocess.fields.enlarged import rounded_down
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture

@@ -20,6 +20,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     nearest_records,
 )
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -61,6 +62,10 @@ def close_up(result: xr.Dataset) -> xr.Dataset:
     record, node = np.unravel_index(impulse.argmax(), impulse.shape)
     if not impulse[record, node]:
         raise ViewError("no blade tip touches the casing")
+    if len(wheel_numbers(result)) > 1:
+        own = result["wheel"].values
+        result = of_wheel(result, int(own[node]))
+        node -= np.searchsorted(own, own[node])
     turned = rotation.turns(result)
     if turned[-1] == turned[0]:
         raise ViewError("a pass of a tip needs a rotor that turns")

@@ -14,6 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS, ring_displacement
+from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
@@ -34,6 +35,7 @@ force are drawn."""
 
 ALONE = 5e-4  #: half of the drawn width of the only track [m]
 LINES = 6  #: largest number of nodal diameters drawn, those with the largest energy
+RING = ("casing_angle", "casing_wheel")  #: coordinates of casing nodes
 
 
 def contact_nodes(result: xr.Dataset) -> xr.Dataset:
@@ -119,7 +121,7 @@ def ring_motion(result: xr.Dataset) -> xr.Dataset:
             "energy": (("time", "nodal_diameter"), energy, "J"),
         },
         {"time": result["time"].values, "nodal_diameter": diameter},
-    ).assign_coords(casing_angle=result["casing_angle"])
+    ).assign_coords({name: result[name] for name in RING if name in result})
 
 
 @styled
@@ -218,28 +220,34 @@ def plot_ring(data: xr.Dataset) -> Figure:
     Args:
         data: dataset from `ring_motion`.
     """
+    numbers = wheel_numbers(data)
     figure = new_figure(width=FULL_WIDTH, height=0.1)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.3, 1.0])
-    time, radial = data["time"].values, data["radial"].values
-    largest = float(np.abs(radial).max())
+    *maps, below = figure.subplots(
+        len(numbers) + 1, 1, sharex=True, height_ratios=[*[1.3] * len(numbers), 1.0]
+    )
+    time, largest = data["time"].values, float(np.abs(data["radial"].values).max())
     unit, scale = handy_unit(largest, "m")
-    degrees = np.degrees(data["casing_angle"].values)
     look: dict[str, Any] = {
         "cmap": COLOUR_MAPS["signed"],
         "label": f"radial\ndisplacement [{unit}]",
     }
     if largest > 0.0:
         look |= {"vmin": -scale * largest, "vmax": scale * largest}
-    draw_map(above, _time_edges(time), degrees, scale * radial.T, **look)
-    above.set_ylabel("angle, static frame [°]")
-    above.set_yticks(np.arange(0, 361, 90))
+    for above, number in zip(maps, numbers, strict=True):
+        ring = of_wheel(data, number)
+        degrees = np.degrees(ring["casing_angle"].values)
+        draw_map(above, _time_edges(time), degrees, scale * ring["radial"].values.T, **look)
+        above.set_ylabel("angle, static frame [°]")
+        above.set_yticks(np.arange(0, 361, 90))
+        if len(numbers) > 1:
+            above.set_title(f"wheel {number}", loc="left")
     energy, diameter = data["energy"].values, data["nodal_diameter"].values
     unit, scale = handy_unit(float(energy.max()), "J")
     shown = np.sort(np.argsort(-energy.max(axis=0), kind="stable")[:LINES])
     for column in shown:
         below.plot(time, scale * energy[:, column], linewidth=0.7, label=f"{diameter[column]}")
     below.set_ylabel(f"strain energy [{unit}]")
-    time_axis(above, below)
+    time_axis(*maps, below)
     head(figure, data, f"the {len(shown)} nodal diameters with the largest energy")
     legends_below(figure, Group(entries_of(below), "nodal diameter"))
     return figure

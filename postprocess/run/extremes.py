@@ -1,6 +1,6 @@
 """Largest casing displacement, contact force and stresses of a run, with position and time."""
 
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -8,6 +8,7 @@ import xarray as xr
 from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_angles
 from bladewhirl.postprocess.fields.result import portions
+from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.postprocess.run.histories import COMPONENTS
 from bladewhirl.postprocess.run.stresses import LIMITS, utilisation
 
@@ -24,6 +25,7 @@ class WallPeak(TypedDict):
     displacement: float  #: [m], signed
     angle: float  #: position on the wall [degrees]
     time: float  #: [s]
+    wheel: NotRequired[int]  #: number of the wheel, if several have a ring
 
 
 class ForcePeak(TypedDict):
@@ -62,7 +64,21 @@ class StressSplit(TypedDict):
 
 def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
     """Return the largest radial (positive outward) and tangential displacement of the casing over
-    all records of a result."""
+    all records of a result; of several rings, that of the ring with the largest one."""
+    numbers = wheel_numbers(dataset)
+    if len(numbers) == 1:
+        return _peaks(dataset)
+    peaks = [_peaks(of_wheel(dataset, number)) for number in numbers]
+    largest = {}
+    for way in COMPONENTS:
+        each = [abs(one[way]["displacement"]) for one in peaks]
+        first = int(np.argmax(each))
+        largest[way] = WallPeak(**peaks[first][way], wheel=numbers[first])
+    return largest
+
+
+def _peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
+    """Return the largest displacements of one ring, see `casing_peaks`."""
     around, time = ring_angles(dataset, STATIONS), dataset["time"].values
     rows = casing_rows(dataset, around)
     peaks = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in COMPONENTS}

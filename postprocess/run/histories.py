@@ -14,6 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.netcdf import need
 from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.wheels import of_wheel
 from bladewhirl.postprocess.fields.windows import in_window
 
 COMPONENTS = ("radial", "tangential")  #: outward, and counter-clockwise
@@ -113,6 +114,7 @@ def casing_displacement(
     result: xr.Dataset,
     angle: ArrayLike | str | Sequence[str] = 0.0,
     *,
+    wheel: int = 0,
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
@@ -123,6 +125,7 @@ def casing_displacement(
         result: result of a run; it is read portion by portion.
         angle: one angle or several angles (points,), counter-clockwise from +x: numbers in rad,
             from minus one turn to one turn, or text such as "90 deg".
+        wheel: number of the wheel inside the ring, if several wheels of a shaft line have one.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
@@ -139,7 +142,7 @@ def casing_displacement(
     result = in_window(result, start, end)
     need(result, "casing_displacement")
     angles = np.array([radians(value) for value in np.ravel(np.asarray(angle))])
-    rows = casing_rows(result, angles)
+    rows = casing_rows(of_wheel(result, wheel), angles)
     moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))
     return labelled(
         result,

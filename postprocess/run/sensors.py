@@ -40,6 +40,7 @@ from bladewhirl.postprocess.fields.point_stresses import gauge_row, on_sectors
 from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.strains import surface_strain_rows
+from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.fields.windows import in_window
 from bladewhirl.postprocess.run.histories import COMPONENTS
 from bladewhirl.postprocess.run.tip_timing import tip_timing, too_slow
@@ -291,7 +292,7 @@ def _signal(
                 values = values + _by_contact(result, rows.by_force, at)
         case WallSensor():
             unit, derivative = _motion(sensor.quantity)
-            every = casing_rows(result, np.array([sensor.angle]))
+            every = casing_rows(of_first_wheel(result), np.array([sensor.angle]))
             row = every[:, COMPONENTS.index(sensor.direction)]
             values = _between(result, "casing", row, at, derivative)
         case CentreSensor():

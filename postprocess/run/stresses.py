@@ -37,6 +37,7 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_sections,
     rotor_strain_rows,
 )
+from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.postprocess.fields.windows import in_window, span_starts
 from bladewhirl.postprocess.plotting.axes import blade_axis
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
@@ -274,12 +275,15 @@ def _bodies(dataset: xr.Dataset, *, casing: bool = True) -> tuple[list[str], lis
     bodies = [rotor._replace(columns=np.searchsorted(used, rotor.columns))]
     if not (casing and has(dataset, "casing")):
         return names, bodies
-    modulus = dataset["casing_young_modulus"].values[:, None]
-    shape = dataset.sizes["casing_node"], CASING_PIECES + 1
-    rows = Strains(*(_flat(row) for row in casing_strain_rows(dataset, CASING_PIECES)))
-    modulus = np.broadcast_to(modulus, shape).reshape(-1, 1)
+    stations = CASING_PIECES + 1
+    modulus = np.repeat(dataset["casing_young_modulus"].values, stations)[:, None]
+    rings = [of_wheel(dataset, number) for number in wheel_numbers(dataset)]
+    each = [casing_strain_rows(ring, CASING_PIECES) for ring in rings]
+    kinds = zip(*each, strict=True)
+    rows = Strains(*(np.concatenate([_flat(row) for row in kind]) for kind in kinds))
+    radius = [ring.attrs["casing_radius"] for ring in rings]
     wall = _Body(
-        np.full(len(modulus), float(dataset.attrs["casing_radius"])),
+        np.repeat(radius, [stations * ring.sizes["casing_node"] for ring in rings]),
         np.zeros(1, dtype=np.int64),
         np.array([len(names)]),
         *_strains(dataset, "casing_displacement", rows, modulus),

@@ -125,6 +125,7 @@ def _walls(peaks: dict[str, WallPeak] | None) -> dict[str, str]:
     walls = [
         f"{direction} {_text(peak['displacement'], 'm')}"
         + (f" at {peak['angle']:.4g}°, {_text(peak['time'], 's')}" if peak["displacement"] else "")
+        + (f", wheel {peak['wheel']}" if "wheel" in peak else "")
         for direction, peak in (peaks or {}).items()
     ]
     return {"casing displacement, largest": "; ".join(walls)} if walls else {}
