@@ -221,7 +221,7 @@ def plot_ring(data: xr.Dataset) -> Figure:
         data: dataset from `ring_motion`.
     """
     numbers = wheel_numbers(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.1)
+    figure = new_figure(width=FULL_WIDTH, height=0.045 + 0.055 * len(numbers))
     *maps, below = figure.subplots(
         len(numbers) + 1, 1, sharex=True, height_ratios=[*[1.3] * len(numbers), 1.0]
     )

@@ -475,7 +475,7 @@ def two_wheels(
     further = {"position": other, "superelement": own, "casing": walls[other]}
     line = {"wheel": {"position": first}, "wheels": [further], "unbalance": []}
     tables: dict[str, Any] = {
-        "casing": {"type": "rigid", **walls[first]},
+        "casing": {"type": "rigid"} | walls[first],
         "contact": {"friction": 0.1, "sliding": "full"},
         "reduction": {"free_interface_modes": 60},
         "gravity": {"start": "unbent", "acceleration": [2000.0, -9000.0]},
@@ -490,12 +490,28 @@ WALLS: dict[float, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("modes", [60, 120])  # the last of 120 is one of four of equal frequency
-def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(modes: int, folder: Path) -> None:
+def ring(thickness: str, **more: Any) -> dict[str, Any]:
+    """A flexible ring of 20 elements."""
+    wall = {"width": "60 mm", "thickness": thickness}
+    return {"type": "ring", "support": "20 N/mm2", "wall": wall} | more
+
+
+STRUT = {"length": "100 mm", "thickness": "5 mm", "inclination": "20 deg"}
+RINGS: dict[float, dict[str, Any]] = {
+    0.6: ring("6 mm", clearance=1e-4, slope=0.2, struts=[STRUT | {"angle": "70 deg"}]),
+    0.3: ring("4 mm", clearance=6e-5),
+}
+
+
+# the last of 120 is one of four of equal frequency
+@pytest.mark.parametrize(("walls", "modes"), [(WALLS, 60), (WALLS, 120), (RINGS, 60)])
+def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(
+    walls: dict[float, dict[str, Any]], modes: int, folder: Path
+) -> None:
     reduction = {"free_interface_modes": modes}
     found = dict[float, list[FloatArray]]()
     for first in (0.6, 0.3):
-        stage = stage_of(two_wheels(folder, first, WALLS, reduction=reduction))
+        stage = stage_of(two_wheels(folder, first, walls, reduction=reduction))
         chunk = marched(stage, 1e-6, 3e-3)
         assert ledger_residual(chunk) < 1e-9
         own, other = np.split(chunk.contact_force, [stage.part.wheel_nodes[0]], axis=1)
@@ -508,9 +524,12 @@ def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(modes: int, fol
         np.testing.assert_allclose(one, swapped, rtol=0, atol=1e-5 * np.abs(one).max())
 
 
-def test_walls_of_further_wheels_are_those_of_a_rigid_round_casing(folder: Path) -> None:
-    with pytest.raises(CaseError, match=r'casing.type = "ring": expected "rigid" with shaft_line'):
+def test_walls_of_several_wheels_are_round_and_of_one_type(folder: Path) -> None:
+    with pytest.raises(CaseError, match=r'wheels\[0\].casing.type = "rigid": expected "ring", as'):
         two_wheels(folder, 0.6, WALLS, casing={"type": "ring", "clearance": 1e-4})
+    other = RINGS | {0.3: RINGS[0.3] | {"elements": 24}}
+    with pytest.raises(CaseError, match=r"wheels\[0\].casing.elements = 24: not allowed here"):
+        two_wheels(folder, 0.6, other)
     lobes = {
         "type": "rigid",
         "clearance": 1e-4,

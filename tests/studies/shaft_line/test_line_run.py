@@ -14,6 +14,7 @@ from shaft_line_case import line_case
 from solid_meshes import fan_sector, whole
 
 import bladewhirl as bw
+from bladewhirl.models.case.case import case_from
 from bladewhirl.models.case.shaft_line import ShaftLine
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.solids.blade import mesh3d
@@ -118,6 +119,57 @@ axial = {{ position = 0, stiffness = 5e7 }}
     with bw.open_result(moved) as result:
         assert result.sizes["time"] == 41
         assert str(tmp_path) not in result.attrs["case"]
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.slow
+def test_a_run_has_the_rings_of_all_wheels(tmp_path: Path) -> None:
+    """Two wheels are pressed into rings by gravity; figures have the rings one by one."""
+    steel: dict[str, Any] = {"young_modulus": 2.1e11, "poisson_ratio": 0.3, "density": 7850.0}
+    part = mesh3d(whole(fan_sector(3), 3), **steel, stress=False, hub="root", hub_at="-5 mm")
+    write_superelement(tmp_path / "fan.npz", part)
+    ring: dict[str, Any] = {"type": "ring", "clearance": 1e-6}
+    fan = {"file": str(tmp_path / "fan.npz"), "copies": 3}
+    strut = {"angle": "90 deg", "length": "100 mm", "thickness": "5 mm"}
+    case = case_from(
+        {
+            "bladed_disk": {"superelement": fan},
+            "shaft_line": {
+                "segments": [{"length": 0.6, "outer_diameter": 0.04, "elements": 3}],
+                "bearings": [{"position": at, "stiffness": 1e6} for at in (0.0, 0.4)],
+                "wheel": {"position": 0.6},
+                "wheels": [
+                    {"position": 0.3, "superelement": fan},
+                    {
+                        "position": 0.2,
+                        "superelement": fan,
+                        "casing": ring | {"struts": [strut], "wall": {"thickness": 4e-3}},
+                    },
+                ],
+            },
+            "gravity": {"acceleration": [0.0, -5000.0], "start": "unbent"},
+            "casing": ring | {"elements": 16},
+            "reduction": {"free_interface_modes": 12},
+            "march": {"speed": "900 rad/s", "time_step": 1e-6, "duration": 4e-4},
+        }
+    )
+    run(case, tmp_path / "run", frames=0)
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
+    with bw.open_result(tmp_path / "run") as result:
+        assert result["wheel"].values.tolist() == [0] * 6 + [2] * 6
+        assert result["support_wheel"].values.tolist() == [2]
+        first, other = np.split(result["casing_shape"].values[:, 0], 2)
+        radial = [rows @ result["casing_displacement"].values.T for rows in (first, other)]
+        for wheel, rows in zip((0, 2), radial, strict=True):
+            assert rows.any()
+            moved = bw.casing_displacement(result, angle="90 deg", wheel=wheel)["displacement"]
+            np.testing.assert_allclose(moved.values[:, 0, 0], rows[4], rtol=1e-9, atol=1e-15)
+        peak = summary["casing_displacement_max"]["radial"]
+        assert peak["wheel"] == (0, 2)[int(np.argmax([np.abs(rows).max() for rows in radial]))]
+        assert abs(peak["displacement"]) >= max(np.abs(rows).max() for rows in radial)
+        figure, _ = RunFigures(result).draw("casing")
+        assert [axes.get_title(loc="left") for axes in figure.axes[:2]] == ["wheel 0", "wheel 2"]
+        RunFigures(result).draw("card")
 
 
 def test_a_free_line_is_braked_by_its_losses(tmp_path: Path) -> None:
