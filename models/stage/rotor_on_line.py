@@ -7,15 +7,16 @@ bearings. Contact nodes are those of the wheel of [bladed_disk].
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.case.analysis import MODES
+from bladewhirl.models.case.analysis import MODES, Contact, Initial, March
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import EngineOrder
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.case.excitation import EngineOrder, NoExcitation
 from bladewhirl.models.case.file import case_fault, faults_at, with_values
 from bladewhirl.models.case.shaft_line import WheelWall
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
@@ -56,6 +57,18 @@ from bladewhirl.models.superelements.reduction import (
 )
 from bladewhirl.models.superelements.superelement import HUB, Superelement, SuperelementError
 
+KEPT_ROTORS = 2  #: number of rotors at rest that are kept for further speeds
+
+WITHOUT_MOTION = {
+    "title": "",
+    "casing": Casing(),
+    "march": March(),
+    "contact": Contact(),
+    "excitation": NoExcitation(),
+    "initial": Initial(),
+}
+"""Tables of a case on which its rotor at rest does not depend, by name."""
+
 LEAST_INERTIA = 0.02
 """Smallest share of the moment of inertia that turns with the drive, with which a free speed is
 that of the rotor rather than of its torsion."""
@@ -82,6 +95,11 @@ class RotorOnLine(StageOnLine, Matrices):
         return replace(
             build_rotor_on_line(with_values(self.case, at_speed), self.ring), omega=omega
         )
+
+    @property
+    def over_many_speeds(self) -> "RotorOnLine":
+        """The stage itself, whose rotor at rest is kept for other speeds."""
+        return self
 
     @cached_property
     def rotor(self) -> ReducedRotor:
@@ -321,13 +339,11 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
         CaseError: the bearings do not hold the line, or the rotor cannot be reduced as the case
             demands.
     """
-    table = case.bladed_disk.matrices
     try:
         line = line_model(case)
-        tables = (table, *(one.superelement for one in line.table.wheels))
-        wheels = tuple(wheel_with_hub(one.with_hub, one.copies) for one in tables)
+        wheels, at_rest = _at_rest(case.model_copy(update=WITHOUT_MOTION))
         case = case.in_seconds(line.reference_frequency)
-        on_line = _prepared(case, line, line_rotor(line, wheels))
+        on_line = _prepared(case, line, at_rest)
         reduced_at = partial(_reduced_at, case, on_line)
         others = other_speeds(case, line.reference_frequency)
         reduced = reduced_at(line.speed, others)
@@ -359,6 +375,16 @@ def build_rotor_on_line(case: Case, ring: Ring | None = None) -> RotorOnLine:
             springs=None,
         ),
     )
+
+
+@lru_cache(maxsize=KEPT_ROTORS)
+def _at_rest(case: Case) -> tuple[tuple[Superelement, ...], OnLine]:
+    """Return the wheels with their hubs and the rotor at rest of a case, which are those of cases
+    that differ in speed, load, contact and casing."""
+    line = line_model(case)
+    tables = (case.bladed_disk.matrices, *(one.superelement for one in line.table.wheels))
+    wheels = tuple(wheel_with_hub(one.with_hub, one.copies) for one in tables)
+    return wheels, line_rotor(line, wheels)
 
 
 def _rubbing(case: Case) -> list[SuperelementTable]:
