@@ -14,8 +14,17 @@ WHEELS = {
 
 def wheel_numbers(dataset: xr.Dataset) -> list[int]:
     """Return the numbers of the wheels with a wall, 0 for the first or only one."""
-    names = [name for name in WHEELS.values() if name in dataset.variables]
+    names = [*_parted(dataset).values()]
     return [int(number) for number in np.unique(dataset[names[0]].values)] if names else [0]
+
+
+def _parted(dataset: xr.Dataset) -> dict[str, str]:
+    """Return the entries of `WHEELS` that a dataset has."""
+    return {
+        dimension: name
+        for dimension, name in WHEELS.items()
+        if name in dataset.variables and dataset[name].dims == (dimension,)
+    }
 
 
 def of_wheel(dataset: xr.Dataset, number: int) -> xr.Dataset:
@@ -23,8 +32,7 @@ def of_wheel(dataset: xr.Dataset, number: int) -> xr.Dataset:
     result of one wheel as it is."""
     chosen = {
         dimension: np.flatnonzero(dataset[name].values == number)
-        for dimension, name in WHEELS.items()
-        if name in dataset.variables
+        for dimension, name in _parted(dataset).items()
     }
     if not chosen:
         return dataset

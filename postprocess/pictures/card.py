@@ -23,7 +23,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 from bladewhirl.postprocess.fields.kinematics import Array, table_of_result
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.netcdf import has
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
+from bladewhirl.postprocess.fields.wheels import of_first_wheel, wheel_numbers
 from bladewhirl.postprocess.fields.windows import span_starts
 from bladewhirl.postprocess.pictures.flat import MOST_NUMBERS, draw_flat, flat_stage
 from bladewhirl.postprocess.plotting.style import COLOURS, INCH, styled, time_axis
@@ -49,7 +49,7 @@ NEAR = 0.1  #: an engine order is near a frequency if they differ by less, relat
 
 
 def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) -> xr.Dataset:
-    """Compute what the card shows.
+    """Compute what the card shows, of several wheels with walls that of the first.
 
     Args:
         result: result of a run.
@@ -65,6 +65,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
         rotating axes, and `diameter_share` (mode, nodal_diameter) [1] of `diameter_shares`; with a
         shaft line `bearing_force` (time, bearing) [N], the magnitudes of `line_bearing_forces`.
     """
+    wheels, result = len(wheel_numbers(result)), of_first_wheel(result)
     peak, force = largest_force(result), mean_forces(result).values
     between = contact_force(result)["normal"].max("blade")
     record = int((between if peak["force"] else result["energy"]).values.argmax())
@@ -99,7 +100,8 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             regime=regime_title(regime.name, judged=regime.growth is not None),
             effects=table_of_result(result, "rotation", Rotation).effects,
             averaged_over=peak["averaged_over"],
-            blades=blade_count(of_first_wheel(result)),
+            blades=blade_count(result),
+            wheels=wheels,
             shown_time=float(result["time"][record]),
             loss_time=loss.time if loss else np.inf,
             joints=int(has(result, "joints")),
@@ -133,8 +135,11 @@ def plot_card(data: xr.Dataset) -> Figure:
     _draw_casing(figure.add_subplot(grid[1, 1]), data)
     below = figure.add_subplot(grid[1, 2])
     (_draw_bearings if "bearing_force" in data else _draw_campbell)(below, data)
+    about = [data.attrs["case_title"], *about_run(data)]
+    if (wheels := data.attrs["wheels"]) > 1:
+        about.append(f"the first of {wheels} wheels with walls")
     lines = [
-        ", ".join(map(str, (data.attrs["case_title"], *about_run(data)))),
+        ", ".join(map(str, about)),
         *textwrap.wrap(verdict(data), LINE),
     ]
     figure.suptitle("\n".join(lines), parse_math=False, x=0.02, ha="left", fontsize=10)

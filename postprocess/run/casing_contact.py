@@ -8,6 +8,7 @@ from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.by_blade import blade_count
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.postprocess.fields.windows import select_window
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -27,7 +28,7 @@ the casing cannot be recognised in a drawing of many revolutions."""
 
 
 def casing_contact(
-    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+    result: xr.Dataset, *, wheel: int = 0, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
     """Compute the share of time steps with contact in each sector of the casing, over time.
 
@@ -36,6 +37,7 @@ def casing_contact(
 
     Args:
         result: result of a run.
+        wheel: number of the wheel inside the wall, if several wheels of a shaft line have one.
         start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
@@ -46,7 +48,7 @@ def casing_contact(
     Raises:
         ViewError: there are fewer than two records.
     """
-    dataset = select_window(result, start, end)
+    dataset = of_wheel(select_window(result, start, end), wheel)
     time, tips = dataset["time"].values, dataset["tip_angle"].values
     speed, blades = abs(float(dataset.attrs["speed"])), blade_count(dataset)
     steps = np.diff(time)
@@ -87,8 +89,14 @@ def casing_contact(
 def all_and_last_turns(result: xr.Dataset) -> xr.Dataset:
     """Return the contact from `casing_contact` with the contact in the last revolutions added:
     `last_share` (last_time, last_sector), with the limits `last_time_edge` and `last_angle_edge`.
-    Nothing is added for a short run."""
-    contact = casing_contact(result)
+    Nothing is added for a short run. If several wheels of a shaft line have walls, the contact of
+    each further one is added instead, with the number in the names: `wheel_2_share` ..."""
+    contact, *further = (casing_contact(result, wheel=each) for each in wheel_numbers(result))
+    if further:
+        for number, own in zip(wheel_numbers(result)[1:], further, strict=True):
+            names = [*own.dims, *own.variables]
+            contact = contact.merge(own.rename({name: f"wheel_{number}_{name}" for name in names}))
+        return contact
     end = float(contact["time_edge"][-1])
     speed = abs(float(contact.attrs["speed"]))
     begin, last_drawn = _limits(contact)
@@ -105,12 +113,11 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     `all_and_last_turns`.
 
     The figure of a long run has a second panel with the last revolutions. If contact is brief, the
-    upper panel only shows the time of contact.
+    upper panel only shows the time of contact. Several wheels with walls have a panel each.
     """
-    both = "last_share" in contact
-    figure = new_figure(height=0.105 if both else 0.06)
-    panels = figure.subplots(1 + both, squeeze=False)[:, 0]
-    parts = ("", "last_")[: len(panels)]
+    parts = [str(name).removesuffix("share") for name in contact if str(name).endswith("share")]
+    figure = new_figure(height=0.015 + 0.045 * len(parts))
+    panels = figure.subplots(len(parts), squeeze=False)[:, 0]
     limit = share_limit(*(contact[f"{which}share"] for which in parts))
     turns = abs(float(contact.attrs["speed"])) / (2 * np.pi)  # revolutions per second
     for axes, which in zip(panels, parts, strict=True):
@@ -119,6 +126,8 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
         picture = draw_share(axes, across, angle, contact[f"{which}share"], limit)
         axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
         axes.set_xlabel("revolutions of the rotor")
+        if "wheel" in parts[-1]:
+            axes.set_title(f"wheel {which.split('_')[1] if which else 0}", loc="left")
     words = "passes in contact [%]" if turns else "time in contact [%]"
     figure.colorbar(picture, ax=[*panels], label=share_label(words, limit))
     panels[0].set_xlim(*((turns or 1.0) * limit for limit in _limits(contact)))

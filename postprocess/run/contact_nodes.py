@@ -100,7 +100,8 @@ def ring_motion(result: xr.Dataset) -> xr.Dataset:
 
     Returns:
         Dataset: `radial` and `tangential` [m] over (time, casing_node); `energy` [J] over (time,
-        nodal_diameter), the strain energy of the casing and its supports.
+        nodal_diameter), the strain energy of the casing and its supports; over (time, wheel,
+        nodal_diameter) if several wheels of a shaft line have a ring.
 
     Raises:
         ResultError: the casing is rigid.
@@ -110,17 +111,24 @@ def ring_motion(result: xr.Dataset) -> xr.Dataset:
     moved = ring_displacement(result, records)
     squares = result["casing_frequency"].values * result["casing_displacement"].values
     diameter, member = np.unique(result["casing_nodal_diameter"].values, return_inverse=True)
-    energy = 0.5 * squares**2 @ np.eye(len(diameter))[member]
-    over = ("time", "casing_node")
+    numbers = wheel_numbers(result)
+    energy = np.zeros((len(squares), len(numbers), len(diameter)))
+    for place, number in enumerate(numbers):
+        own = of_wheel(result, number)["casing_shape"].values.any(axis=(0, 1))
+        energy[:, place] = 0.5 * squares[:, own] ** 2 @ np.eye(len(diameter))[member[own]]
+    over, several = ("time", "casing_node"), len(numbers) > 1
+    coordinates = {"time": result["time"].values, "nodal_diameter": diameter}
     return labelled(
         result,
         "motion of the casing",
         {
             "radial": (over, moved[:, :, 0], "m"),
             "tangential": (over, moved[:, :, 1], "m"),
-            "energy": (("time", "nodal_diameter"), energy, "J"),
+            "energy": (("time", "wheel", "nodal_diameter"), energy, "J")
+            if several
+            else (("time", "nodal_diameter"), energy[:, 0], "J"),
         },
-        {"time": result["time"].values, "nodal_diameter": diameter},
+        coordinates | {"wheel": numbers} if several else coordinates,
     ).assign_coords({name: result[name] for name in RING if name in result})
 
 
@@ -221,10 +229,9 @@ def plot_ring(data: xr.Dataset) -> Figure:
         data: dataset from `ring_motion`.
     """
     numbers = wheel_numbers(data)
-    figure = new_figure(width=FULL_WIDTH, height=0.045 + 0.055 * len(numbers))
-    *maps, below = figure.subplots(
-        len(numbers) + 1, 1, sharex=True, height_ratios=[*[1.3] * len(numbers), 1.0]
-    )
+    figure = new_figure(width=FULL_WIDTH, height=0.01 + 0.09 * len(numbers))
+    ratios = [1.3, 1.0] * len(numbers)
+    panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
     time, largest = data["time"].values, float(np.abs(data["radial"].values).max())
     unit, scale = handy_unit(largest, "m")
     look: dict[str, Any] = {
@@ -233,7 +240,7 @@ def plot_ring(data: xr.Dataset) -> Figure:
     }
     if largest > 0.0:
         look |= {"vmin": -scale * largest, "vmax": scale * largest}
-    for above, number in zip(maps, numbers, strict=True):
+    for above, number in zip(panels[::2], numbers, strict=True):
         ring = of_wheel(data, number)
         degrees = np.degrees(ring["casing_angle"].values)
         draw_map(above, _time_edges(time), degrees, scale * ring["radial"].values.T, **look)
@@ -241,13 +248,16 @@ def plot_ring(data: xr.Dataset) -> Figure:
         above.set_yticks(np.arange(0, 361, 90))
         if len(numbers) > 1:
             above.set_title(f"wheel {number}", loc="left")
-    energy, diameter = data["energy"].values, data["nodal_diameter"].values
+    diameter = data["nodal_diameter"].values
+    energy = data["energy"].values.reshape(len(time), len(numbers), len(diameter))
     unit, scale = handy_unit(float(energy.max()), "J")
-    shown = np.sort(np.argsort(-energy.max(axis=0), kind="stable")[:LINES])
-    for column in shown:
-        below.plot(time, scale * energy[:, column], linewidth=0.7, label=f"{diameter[column]}")
-    below.set_ylabel(f"strain energy [{unit}]")
-    time_axis(*maps, below)
+    shown = np.sort(np.argsort(-energy.max(axis=(0, 1)), kind="stable")[:LINES])
+    for place, below in enumerate(panels[1::2]):
+        for column in shown:
+            label = f"{diameter[column]}"
+            below.plot(time, scale * energy[:, place, column], linewidth=0.7, label=label)
+        below.set_ylabel(f"strain energy [{unit}]")
+    time_axis(*panels)
     head(figure, data, f"the {len(shown)} nodal diameters with the largest energy")
     legends_below(figure, Group(entries_of(below), "nodal diameter"))
     return figure

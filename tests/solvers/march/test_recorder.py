@@ -41,6 +41,8 @@ SUPPORTS = {
 NO_BEAMS = (
     "line",
     "wheel",
+    "wheels",
+    "rings",
     "joints",
     "dampers",
     "nodes",
