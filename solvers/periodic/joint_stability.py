@@ -6,9 +6,12 @@ a step the force at its end acts on the modes, which move exactly, and the slip 
 displacement. In the time T / K, K = N / gcd(N, p), the pattern of the motion moves on to other
 blades; the multipliers of a period T are the K-th powers of the eigenvalues of such a passage. The
 blades of a wheel without cyclic copies are one body, and its passage is a period. In gcd(N, p)
-groups of K neighbours the motions are the same. The matrix of a passage is then block-circulant in
-these groups: deviations of the first group give all blocks, and its eigenvalues are those of the
-discrete Fourier transforms of the blocks.
+groups of K neighbours the motions are the same. Deviations are then waves over the groups, with
+the phase 2 pi k / gcd(N, p) from a group to the next one, and the first group gives the passage of
+each wave.
+
+The largest multiplier follows from a power of the matrix of a passage by Arnoldi's method: in the
+power, multipliers of almost the same magnitude are farther apart.
 
 Modes that turn by more than `FAST` in a step respond statically. Nodes that are stuck all the time
 keep their static force, which is not unique, see `joints`: deviations of it, with a multiplier of
@@ -17,9 +20,11 @@ one, are left out.
 
 from functools import cached_property
 from math import gcd
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import ArpackNoConvergence, eigs
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.joints.wheel import DIRECTIONS
@@ -33,6 +38,10 @@ NEUTRAL = 5e-3
 """Growth up to which a motion is stable: static forces of nodes that hardly slip neither grow nor
 decay."""
 FAST = 0.5 * np.pi  #: largest angle of a mode in a step [rad]
+DOUBLINGS, VECTORS, RESTARTS = 4, 40, 4
+"""Number of times that the matrix of a passage is squared for its largest eigenvalue, and the
+numbers of vectors and of restarts of Arnoldi's method, without which all eigenvalues are computed.
+"""
 
 
 class Deviations:
@@ -48,6 +57,7 @@ class Deviations:
         self.groups = shared if self.alike else 1
         least = RUBBED if self.wheel.rubs else STEPS
         self.instants = passages * -(-least // passages)
+        self.step = self.grid.period / self.instants
         wave = series(self.grid.harmonics, self.instants)
         trial = (wave @ motion.trial()).reshape(self.instants, -1, DIRECTIONS)
         friction = self.wheel.friction
@@ -55,81 +65,155 @@ class Deviations:
         self.held = (joint_law.states(trial, friction) == joint_law.STUCK).all(axis=0)
         self.shift = self.instants // passages * (order // shared)
         self.shift *= 1 if self.wheel.speed > 0.0 else -1
-        turned = pow(order // shared, -1, passages) if passages > 1 else 0
+        turned = pow(order // shared, -1, passages) if passages > 1 and self.alike else 0
         self.moved = turned if self.wheel.speed > 0.0 else -turned
+
+    @property
+    def blades(self) -> int:
+        """Number of blades of a group."""
+        return self.wheel.blades // self.groups
 
     @cached_property
     def _kept(self) -> IntArray:
         """Numbers of the modes of a copy that move in time."""
-        step = self.grid.period / self.instants
-        return np.flatnonzero(np.sqrt(np.abs(self.wheel.stiffness[0])) * step <= FAST)
+        return np.flatnonzero(np.sqrt(np.abs(self.wheel.stiffness[0])) * self.step <= FAST)
 
-    def passage(self) -> FloatArray:
-        """Return the blocks of the matrix of a passage from the state of the first group to those
-        of all: modes (unit q, q') of each copy in turn, and the displacements from which joints
-        slip, (groups, states of a group, states of a group)."""
-        wheel, step = self.wheel, self.grid.period / self.instants
-        copies, modes, kept = *wheel.stiffness.shape, self._kept
-        rows, flexible = wheel.all_blades
-        of_copies = rows.reshape(len(rows), copies, modes)
-        fast = np.setdiff1d(np.arange(modes), kept)
-        quick = of_copies[:, :, fast].reshape(len(rows), -1)
-        static = flexible + quick / np.tile(wheel.stiffness[0, fast], copies) @ quick.T
-        steps = Steps(wheel.stiffness[0, kept], wheel.damping[0][np.ix_(kept, kept)], step)
-        place = of_copies[:, :, kept]
-        carried, unit = steps.transition(np.eye(len(kept)))
-        push = np.einsum("sm,fcm->csf", unit, place).reshape(-1, len(rows))
-        place = np.pad(place / steps.unit, ((0, 0), (0, 0), (0, len(kept))))
-        place = place.reshape(len(rows), -1)
-        angle = 2.0 * np.pi / self.instants
-        node = np.arange(len(rows)) // DIRECTIONS % len(wheel.joint)
-        tangential = np.arange(len(rows)) % DIRECTIONS > 0
-        scale = np.tile(self.grid.soft, wheel.blades) * np.where(tangential, angle, 1.0)
-        before = (tangential & ~self.held[node])[:, None]  # slips are changes of displacements
-        within = (static + place @ push) / scale[:, None]
-        if self.alike:  # a joint has two blades
-            place, push = sp.csr_array(place), sp.csr_array(push)
-        own = push.shape[0] // self.groups  # states of the modes of a group
-        size = own + len(rows) // self.groups
-        state, moved = np.zeros((push.shape[0], size)), np.zeros((len(rows), size))
-        state[:own, :own], moved[: size - own, own:] = np.eye(own), np.eye(size - own)
-        for n in range(1, self.instants // self.passages + 1):
-            state = self._carried(carried, state)
-            free = (place @ state - np.where(before, moved, 0.0)) / scale[:, None]
-            slope = self._slope(n)
-            matrix = np.eye(len(rows)) - slope + slope @ within
-            force = -np.linalg.solve(matrix, slope @ free)
-            state = state + push @ force
-            moved = place @ state + static @ force
-        if self.alike:
-            state, moved = (
-                np.roll(each.reshape(wheel.blades, -1, size), self.moved, axis=0).reshape(-1, size)
-                for each in (state, moved)
-            )
-        of_groups = [each.reshape(self.groups, -1, size) for each in (state, moved)]
-        return np.concatenate(of_groups, axis=1)
+    @cached_property
+    def _copy(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Displacements of the joint nodes of a copy by its state (unit q, q'), and by forces on
+        them without their part in the modes, and the states after a step by those before and by
+        forces in it; the nodes are those of all blades of the copy, value by value."""
+        wheel, kept = self.wheel, self._kept
+        rows = wheel.contact.swapaxes(0, 1).reshape(-1, wheel.stiffness.shape[1])
+        fast = np.setdiff1d(np.arange(rows.shape[1]), kept)
+        static = wheel.compliance.transpose(1, 0, 3, 2).reshape(len(rows), len(rows))
+        static = static + rows[:, fast] / wheel.stiffness[0, fast] @ rows[:, fast].T
+        damping = wheel.damping[0][np.ix_(kept, kept)]
+        steps = Steps(wheel.stiffness[0, kept], damping, self.step)
+        carried, push = steps.transition(rows[:, kept])
+        return np.pad(rows[:, kept] / steps.unit, ((0, 0), (0, len(kept)))), static, carried, push
 
-    def _carried(self, carried: FloatArray, state: FloatArray) -> FloatArray:
-        of_copies = state.reshape(len(self.wheel.stiffness), len(carried), -1)
-        return np.asarray((carried @ of_copies).reshape(state.shape))
+    def passage(self, k: int) -> Any:
+        """Return the matrix of a passage in a wave of the groups with the phase 2 pi k / groups,
+        real or complex, for the states of the first group: modes (unit q, q') and the displacements
+        from which joints slip, of all copies and blades value by value, (states, states)."""
+        wave = _Wave(k, self.groups, self.blades)
+        place, static, carried, push = self._copy
+        joined = wave.joined(self.wheel.values)
+        joints, nodes = joined.shape
+        copies = len(self.wheel.stiffness) // self.groups
+        within = np.kron(static + place @ push, np.eye(copies))
+        answers = self._answers(joined, joined @ within @ joined.conj().T)
+        size = copies * len(carried)
+        columns = size + joints
+        state = np.eye(size, columns, dtype=joined.dtype).reshape(len(carried), copies, columns)
+        values = np.eye(nodes + joints, columns, size - nodes, dtype=joined.dtype)
+        step = carried if 2 * np.count_nonzero(carried) > carried.size else sp.csr_array(carried)
+        for answer in answers:
+            state = _times(step, state)
+            values[:nodes] = _times(place, state).reshape(nodes, columns)
+            values = answer @ values
+            state += _times(push, values[:nodes].reshape(push.shape[1], copies, columns))
+        both = state, values[nodes:].reshape(-1, self.blades, columns)
+        return np.vstack([wave.turned(each, self.moved).reshape(-1, columns) for each in both])
 
-    def _slope(self, n: int) -> FloatArray:
-        """Return the derivatives of the law of all joints at an instant."""
-        at = n + self.shift * np.arange(self.wheel.blades)
-        every = self.slope[at % self.instants].reshape(-1, DIRECTIONS, DIRECTIONS)
-        node, size = np.arange(len(every)), DIRECTIONS * len(every)
-        found = np.zeros((len(every), DIRECTIONS, len(every), DIRECTIONS))
-        found[node, :, node] = every
-        return found.reshape(size, size)
+    def _answers(self, joined: Any, within: Any) -> Any:
+        """Return what follows at the ends of steps from the displacements of the nodes of the
+        blades without the forces in the step, and those of the joints before it.
+
+        Args:
+            joined: see `_Wave.joined`.
+            within: displacements of the joints by the forces on them in a step.
+
+        Returns:
+            matrices to the forces on the nodes and the displacements of the joints, (steps, nodes +
+            joints, nodes + joints).
+        """
+        tangential = np.arange(self.wheel.values) % DIRECTIONS > 0
+        turn = 2.0 * np.pi / self.instants
+        scale = (self.grid.soft * np.where(tangential, turn, 1.0)).repeat(self.blades)
+        before = tangential & ~self.held.repeat(DIRECTIONS)  # slips are changes of displacements
+        slope = self._slopes()
+        trial = np.eye(len(scale)) - slope + slope @ (within / scale[:, None])
+        now = -np.linalg.solve(trial, slope) / scale
+        last = -now * before.repeat(self.blades)
+        force, spread = np.concatenate([now @ joined, last], axis=2), joined.conj().T
+        alone = np.hstack([joined, np.zeros_like(within)])
+        return np.concatenate([spread @ force, alone + within @ force], axis=1)
+
+    def _slopes(self) -> FloatArray:
+        """Return the derivatives of the law of the joints of a group at the ends of steps, (steps,
+        joints, joints)."""
+        steps = 1 + np.arange(self.instants // self.passages)
+        at = steps[:, None] + self.shift * np.arange(self.blades)
+        every = self.slope[at % self.instants]  # (steps, blades, nodes, directions, directions)
+        count, blades, nodes = every.shape[:3]
+        slope = np.zeros((count, nodes, DIRECTIONS, blades, nodes, DIRECTIONS, blades))
+        for node, blade in np.ndindex(nodes, blades):
+            slope[:, node, :, blade, node, :, blade] = every[:, blade, node]
+        size = self.wheel.values * blades
+        return slope.reshape(count, size, size)
+
+
+class _Wave:
+    """Values of the blades of a group in a wave of the groups, (values, blades, ...)."""
+
+    def __init__(self, k: int, groups: int, blades: int) -> None:
+        phase = np.exp(2j * np.pi * k / groups)
+        self._phase = phase.real.round() if 2 * k % groups == 0 else phase
+        self._blades = blades
+
+    def turned(self, values: Any, blades: int) -> Any:
+        """Return values of blades that are those of others, a number of blades before them."""
+        if not blades:
+            return values
+        group, blade = np.divmod(np.arange(self._blades) - blades, self._blades)
+        return self._phase ** group[:, None] * values[:, blade]
+
+    def joined(self, values: int) -> Any:
+        """Return the matrix from the left and right nodes of the blades to the joints after them,
+        (values * blades, 2 * values * blades)."""
+        unit = np.eye(2 * values * self._blades)
+        left, right = np.split(unit.reshape(2 * values, self._blades, -1), 2)
+        return (self.turned(left, -1) + right).reshape(-1, len(unit))
+
+
+def _times(matrix: Any, values: Any) -> Any:
+    """Return the product of a real matrix and real or complex values, (rows, ..., columns)."""
+    flat = np.ascontiguousarray(values).reshape(matrix.shape[1], -1)
+    found = np.ascontiguousarray(matrix @ flat.view(np.float64)).view(values.dtype)
+    return found.reshape(-1, *values.shape[1:])
 
 
 def multipliers(motion: JointMotion) -> ComplexArray:
     """Return the multipliers of all deviations of the blades in a period, the largest first; those
     of displacements without modes are zero or small."""
     deviations = Deviations(motion)
-    waves = np.fft.rfft(deviations.passage(), axis=0)
-    of_waves = [np.linalg.eigvals(each) for each in waves]
-    for k in range(1, (deviations.groups + 1) // 2):  # waves in the other direction
+    groups = deviations.groups
+    of_waves = [np.linalg.eigvals(deviations.passage(k)) for k in range(groups // 2 + 1)]
+    for k in range(1, (groups + 1) // 2):  # waves in the other direction
         of_waves.append(of_waves[k].conj())
     values = np.concatenate(of_waves) ** deviations.passages
     return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=np.complex128)
+
+
+def largest_multiplier(motion: JointMotion) -> float:
+    """Return the largest magnitude of the multipliers of all deviations in a period."""
+    deviations = Deviations(motion)
+    waves = range(deviations.groups // 2 + 1)
+    return max(map(_radius, map(deviations.passage, waves))) ** deviations.passages
+
+
+def _radius(matrix: Any) -> float:
+    """Return the largest magnitude of the eigenvalues of a matrix."""
+    if len(matrix) > 2 * VECTORS:
+        power = np.linalg.matrix_power(matrix, 2**DOUBLINGS)
+        start = np.random.default_rng(0).standard_normal(len(matrix)).astype(matrix.dtype)
+        try:
+            found = eigs(
+                power, 1, v0=start, ncv=VECTORS, maxiter=RESTARTS, return_eigenvectors=False
+            )
+            return float(np.abs(found).max() ** (0.5**DOUBLINGS))
+        except ArpackNoConvergence:  # many of almost the same magnitude
+            pass
+    return float(np.abs(np.linalg.eigvals(matrix)).max())

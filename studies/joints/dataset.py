@@ -10,7 +10,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.joints.limits import LIMITS
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING
 from bladewhirl.solvers.periodic.joint_rub import rub
-from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
+from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, largest_multiplier
 from bladewhirl.solvers.periodic.joints import JointMotion
 from bladewhirl.studies.joints.motions import amplitudes_of, limits_of
 from bladewhirl.studies.runs.columns import quantity
@@ -41,7 +41,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
     speeds = np.array([each.grid.wheel.speed for each in motions])
     count = wheel.blades * -(-INSTANTS // wheel.blades)  # all blades have the same instants
     limits = [limits_of(each.grid.wheel) for each in motions]
-    largest = np.array([abs(multipliers(each)[0]) for each in motions])
+    largest = np.array([largest_multiplier(each) for each in motions])
     amplitude = [np.abs(amplitudes_of(each)) for each in motions]
     of_order = f"amplitude of engine order {wheel.shown_order}"
     growth = "factor by which a deviation grows in a period"

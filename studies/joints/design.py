@@ -19,7 +19,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.postprocess.joints.design import plot_design
 from bladewhirl.solvers.periodic.contact import NotConverged
-from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, multipliers
+from bladewhirl.solvers.periodic.joint_stability import NEUTRAL, largest_multiplier
 from bladewhirl.studies.joints.motions import check, limits_of, stage_of
 from bladewhirl.studies.joints.peaks import Peak, peak
 from bladewhirl.studies.modal.response import response
@@ -141,7 +141,7 @@ def _dataset(
     found = [peaks[value] for value in order]
     wheels = [wheel_at(omega) for omega in omegas]
     limits = np.array([limits_of(wheel).max(axis=1) for wheel in wheels]).T
-    growth = [float(abs(multipliers(each.motion)[0])) for each in found]
+    growth = [largest_multiplier(each.motion) for each in found]
     rpm = 30.0 / np.pi
     return xr.Dataset(
         {

@@ -18,7 +18,11 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING, STUCK
 from bladewhirl.solvers.periodic.joint_search import _errors, _matrix, joint_motion, solve
-from bladewhirl.solvers.periodic.joint_stability import Deviations, multipliers
+from bladewhirl.solvers.periodic.joint_stability import (
+    Deviations,
+    largest_multiplier,
+    multipliers,
+)
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion
 
 MODES, ORDER = 8, 2
@@ -202,8 +206,9 @@ def test_multipliers_of_groups_are_those_of_all_blades(tmp_path: Path, order: in
     every = Deviations(motion)
     assert every.groups == order
     every.groups = 1
-    whole = np.abs(np.linalg.eigvals(every.passage()[0])) ** every.passages
+    whole = np.abs(np.linalg.eigvals(every.passage(0))) ** every.passages
     assert np.abs(multipliers(motion)) == pytest.approx(np.sort(whole)[::-1], rel=1e-6, abs=1e-7)
+    assert largest_multiplier(motion) == pytest.approx(whole.max(), rel=1e-9)
 
 
 def test_a_wheel_in_one_piece_has_the_motion_of_its_blades(tmp_path: Path) -> None:
