@@ -17,6 +17,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
@@ -59,33 +60,42 @@ def _errors(motion: JointMotion, smooth: float, share: float) -> tuple[FloatArra
     return motion.parts - grid.to_coefficients @ law.force.reshape(grid.instants, -1), law.slope
 
 
-def _matrix(grid: JointGrid, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the derivatives of the errors by the coefficients of forces, (unknowns, unknowns), and
-    by the share of the engine orders, (unknowns,), from those of the law."""
-    highest, values = grid.harmonics, grid.wheel.values
-    size = 2 * highest + 1
-    spectrum = np.fft.fft(slope, axis=0) / len(slope)
-    number = grid.number[:, None]
+def _matrix(grid: JointGrid, slope: FloatArray) -> FloatArray:
+    """Return the derivatives of the errors by the coefficients of forces, (unknowns, unknowns),
+    from those of the law.
+
+    The harmonic h of the forces follows from the harmonics h - k and h + k of the derivatives of
+    the law and from the harmonic k of the trial forces and its conjugate.
+    """
+    count, values = grid.harmonics + 1, grid.wheel.values
+    spectrum = -np.fft.fft(slope, axis=0) / len(slope)
+    every = np.arange(2 * count - 1)
     less, more = (
-        spectrum[each % len(slope)] for each in (number - grid.number, number + grid.number)
+        sliding_window_view(spectrum[each % len(slope)], count, axis=0)
+        for each in (every - grid.harmonics, every)
     )
-    of_parts = np.zeros((highest + 1, 2, highest + 1, 2, *slope.shape[1:]))
-    of_parts[:, 0, :, 0], of_parts[:, 0, :, 1] = (less + more).real, (more - less).imag
-    of_parts[:, 1, :, 0], of_parts[:, 1, :, 1] = (less + more).imag, (less - more).real
-    of_parts[0] *= 0.5
-    of_parts = np.delete(of_parts.reshape(size + 1, size + 1, *slope.shape[1:]), 1, axis=0)
-    every = np.zeros((size, values, size + 1, values))
-    for node in range(slope.shape[1]):
+    less, more = (each.transpose(1, 0, 3, 4, 2) for each in (less[::-1], more))
+    found = np.zeros((count, 2, values, count, 2, values))  # columns in the first axes
+    for node, (down, up) in enumerate(zip(less, more, strict=True)):
         own = slice(DIRECTIONS * node, DIRECTIONS * (node + 1))
-        every[:, own, :, own] = of_parts[:, :, node].transpose(0, 2, 1, 3)
-    every[:, :, 1] = 0.0  # the mean has no imaginary part
-    unknowns = size * values
-    by_trial = every.reshape(unknowns, highest + 1, 2 * values).swapaxes(0, 1)
-    matrix = -(by_trial @ grid.to_trial).swapaxes(0, 1).reshape(unknowns, -1)
-    matrix = np.delete(matrix, np.s_[values : 2 * values], axis=1)
-    matrix[np.diag_indices(unknowns)] += 1.0
-    load = np.insert(grid.load, 1, 0.0, axis=0).reshape(highest + 1, -1, 1)
-    return matrix, -(by_trial @ load).sum(axis=0)[:, 0]
+        np.add(down.real, up.real, out=found[:, 0, own, :, 0, own])
+        np.add(down.imag, up.imag, out=found[:, 0, own, :, 1, own])
+        np.subtract(up.imag, down.imag, out=found[:, 1, own, :, 0, own])
+        np.subtract(down.real, up.real, out=found[:, 1, own, :, 1, own])
+    found[:, :, :, 0] *= 0.5
+    by_trial = found.reshape(count, 2 * values, -1)
+    columns = (grid.to_trial.swapaxes(1, 2) @ by_trial).reshape(-1, by_trial.shape[2])
+    columns[values : 2 * values] = columns[:values]  # the mean has no imaginary part
+    columns[:, values : 2 * values] = columns[:, :values]
+    matrix = columns[values:, values:].T
+    matrix[np.diag_indices(len(matrix))] += 1.0
+    return matrix
+
+
+def _by_share(grid: JointGrid, slope: FloatArray) -> FloatArray:
+    """Return the derivatives of the errors by the share of the engine orders, (unknowns,)."""
+    trial = (grid.series @ grid.load).reshape(grid.instants, -1, DIRECTIONS, 1)
+    return np.asarray(-(grid.to_coefficients @ (slope @ trial).reshape(grid.instants, -1)).ravel())
 
 
 def solve(start: JointMotion, smooth: float = 0.0) -> JointMotion:
@@ -104,8 +114,8 @@ def solve(start: JointMotion, smooth: float = 0.0) -> JointMotion:
         if size <= CLOSE * (start.grid.size + np.abs(motion.parts).max()):
             return motion
         try:
-            matrix, _ = _matrix(start.grid, slope)
-            change = np.linalg.solve(matrix, error.ravel()).reshape(error.shape)
+            change = np.linalg.solve(_matrix(start.grid, slope), error.ravel())
+            change = change.reshape(error.shape)
         except np.linalg.LinAlgError:
             break
         length = 2.0
@@ -132,8 +142,8 @@ def loaded(grid: JointGrid, smooth: float) -> JointMotion:
 
     def at(forces: FloatArray, share: float) -> Equations:
         error, slope = _errors(_with(rest, forces), smooth * grid.size, share)
-        matrix, by_share = _matrix(grid, slope)
-        return Equations(error.ravel() / grid.size, matrix, by_share / grid.size)
+        by_share = _by_share(grid, slope) / grid.size
+        return Equations(error.ravel() / grid.size, _matrix(grid, slope), by_share)
 
     branch = Branch(at)
     before = branch.begin(rest.parts.ravel() / grid.size, 0.0, 1.0)
@@ -329,7 +339,7 @@ def branch(
         error, slope = _errors(here, smooth, 1.0)
         after, _ = _errors(ahead, smooth, 1.0)
         by_place = (after - error).ravel() / NUDGE / length / unit
-        return Equations(error.ravel() / unit, _matrix(here.grid, slope)[0], by_place)
+        return Equations(error.ravel() / unit, _matrix(here.grid, slope), by_place)
 
     def true(found: JointMotion) -> JointMotion:
         try:

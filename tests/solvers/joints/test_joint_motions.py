@@ -17,7 +17,13 @@ from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING, STUCK
-from bladewhirl.solvers.periodic.joint_search import _errors, _matrix, joint_motion, solve
+from bladewhirl.solvers.periodic.joint_search import (
+    _by_share,
+    _errors,
+    _matrix,
+    joint_motion,
+    solve,
+)
 from bladewhirl.solvers.periodic.joint_stability import (
     Deviations,
     largest_multiplier,
@@ -152,7 +158,8 @@ def test_derivatives_are_those_of_the_equations(tmp_path: Path, smooth: float) -
         moved = replace(motion, parts=motion.parts + length * noise[1])
         return _errors(moved, smooth, share)[0].ravel()
 
-    by_force, by_share = _matrix(grid, _errors(motion, smooth, 0.7)[1])
+    slope = _errors(motion, smooth, 0.7)[1]
+    by_force, by_share = _matrix(grid, slope), _by_share(grid, slope)
     change = (error(1e-6, 0.7) - error(-1e-6, 0.7)) / 2e-6
     assert by_force @ noise[1].ravel() == pytest.approx(change, rel=1e-5, abs=1e-5 * grid.size)
     change = (error(0.0, 0.7 + 1e-6) - error(0.0, 0.7 - 1e-6)) / 2e-6
