@@ -36,6 +36,8 @@ CONVERGED, WORK_CONVERGED = 1e-3, 5e-3
 refinement, relative to themselves."""
 STEPS, CLOSE = 15, 1e-11
 """Largest number of Newton steps, and largest error at their end, relative to typical forces."""
+STALLED, PROGRESS = 4, 0.8
+"""Number of Newton steps that have to reduce the least error so far, and by which factor."""
 HALVINGS, DESCENT = 6, 0.1
 """Largest number of halvings of a Newton step, and the least share of its decrease."""
 SMOOTH, SHARPEST = (0.02, 0.1), 1e-6
@@ -109,10 +111,14 @@ def solve(start: JointMotion, smooth: float = 0.0) -> JointMotion:
         NotConverged: no motion was found.
     """
     motion, (error, slope) = start, _errors(start, smooth, 1.0)
+    sizes = list[float]()
     for _ in range(STEPS):
         size = float(np.linalg.norm(error))
         if size <= CLOSE * (start.grid.size + np.abs(motion.parts).max()):
             return motion
+        sizes.append(size)
+        if min(sizes) > PROGRESS * min(sizes[:-STALLED], default=np.inf):
+            break
         try:
             change = np.linalg.solve(_matrix(start.grid, slope), error.ravel())
             change = change.reshape(error.shape)
