@@ -6,7 +6,7 @@ range of speeds, and the modes at rest of the damping.
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import scipy.sparse as sp
 
@@ -18,6 +18,7 @@ from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.joined import range_of
+from bladewhirl.models.superelements.kept_reduction import Arrays, kept_reduction
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
@@ -167,10 +168,17 @@ def wheel_over_speeds(
 
 def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:
     held = part if part.centre_dofs is None else on_springs(case, part)
+    file = case.bladed_disk.matrices.file
+
+    def compute() -> list[Arrays]:
+        small = vars(condensed(held, highest, modes)).items()
+        return [{key: one for key, one in small if one is not getattr(held, key)}]
+
     try:
-        small = condensed(held, highest, modes)
+        (changed,) = kept_reduction(file, held, (1, modes, highest), compute)
     except IndefiniteError:  # at the highest speed: reduced at each speed by itself
         return part
+    small = replace(held, **dict[str, Any](changed))
     return small if part.centre_dofs is None else on_springs(case, small, -1.0)
 
 

@@ -1,9 +1,11 @@
 """The folder of a run: checks before writing, and content."""
 
+import filecmp
 import json
 import re
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
 from hashlib import sha256
@@ -94,6 +96,18 @@ def portable_case(case: Case, folder: str = "") -> str:
         copy = str(PurePosixPath(folder) / source.copy)
         case = _replaced(case, (*path_of(source.key), "file"), copy)
     return dumps_case(case)
+
+
+def with_originals(case: Case, directory: Path) -> Case:
+    """Return the case of a folder with the files of which the folder has copies, where both have
+    the same contents: reductions are kept beside these files, not beside the copies."""
+    known = read_provenance(directory)
+    for source in _sources(case):
+        with suppress(KeyError, TypeError, OSError, ValueError):  # unknown, gone, or no path
+            original = known[source.name]["file"]
+            if filecmp.cmp(original, source.file, shallow=False):
+                case = _replaced(case, (*path_of(source.key), "file"), original)
+    return case
 
 
 class Source(NamedTuple):

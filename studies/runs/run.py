@@ -128,7 +128,7 @@ def resume(
             " only march.duration may change"
         )
     window = Window(frames=frames, rotating=rotating)
-    prepared = prepare(case)
+    prepared = prepare(folder.with_originals(case, directory))
     window.check(prepared.timing.duration)
     recorded_march.state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):

@@ -316,6 +316,7 @@ def read_plan(directory: Path) -> SweepPlan:
     if document.get("digest") != digest:
         raise _outdated(path, current, "it was changed")
     points = PointTable(values=table) if table else None
+    case = folder.with_originals(case, directory)
     grid = make_grid(case, over, large=True, draws=draws, table=points)
     return plan_sweep(case, grid, options)
 

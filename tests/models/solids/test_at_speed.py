@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.io as sio
 from command_line import answer
+from numpy.testing import assert_array_equal
 from solid_meshes import CALCULIX, STEEL, TIE, bladed_sector, cantilever, deck
 
 import bladewhirl as bw
@@ -15,6 +16,8 @@ from bladewhirl.models.case.plausibility import linear_hints
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage import superelement_structure as stage_of_superelement
 from bladewhirl.models.stage.build_matrices import build_matrices
+from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.superelements import kept_reduction
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 SPEED = CALCULIX["speed"]
@@ -107,9 +110,7 @@ def test_a_stiffness_of_another_speed_is_mentioned(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effects", ["centrifugal", "full"])
-def test_a_large_blade_is_condensed_for_all_speeds(
-    effects: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_large_blade_is_condensed_for_all_speeds(effects: str, tmp_path: Path) -> None:
     """With the frequencies, flexibilities and Coriolis forces that it has at each speed."""
     mesh = cantilever("hexahedron20", (6, 2, 1))
     part = mesh3d(mesh, **STEEL, contacts=3, coriolis=True)
@@ -118,9 +119,7 @@ def test_a_large_blade_is_condensed_for_all_speeds(
     for speed in ("300 rad/s", "700 rad/s", "1024 rad/s"):
         at_speed = bw.with_values(given, {"march.speed": speed})
         exact = build_matrices(at_speed).reduced
-        with monkeypatch.context() as changed:
-            changed.setattr(stage_of_superelement, "LARGE", 10)
-            stage = build_matrices(at_speed)
+        stage = build_matrices(at_speed, condensed_from=10)
         found = stage.reduced
         assert stage.table.part.size > 2 * stage.part.size
         assert found.frequency[:10] == pytest.approx(exact.frequency[:10], rel=1e-9)
@@ -137,6 +136,24 @@ def test_a_large_blade_is_condensed_for_all_speeds(
             matrices = found.gyroscopic, exact.gyroscopic
             forces = [np.linalg.eigvals(each).imag for each in matrices if each is not None]
             assert np.sort(forces[0]) == pytest.approx(np.sort(forces[1]), abs=1e-6)
+
+
+def test_a_condensed_blade_is_kept_beside_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = mesh3d(cantilever("hexahedron", (6, 2, 1)), **STEEL, contacts=3)
+    given = case(tmp_path, part, "blade", rotation={"effects": "centrifugal"})
+    given = bw.with_values(given, {"reduction.free_interface_modes": 6})
+    monkeypatch.setattr(kept_reduction, "LARGE", 0)
+    made = list[Matrices]()
+    for _ in range(2):
+        monkeypatch.setattr(stage_of_superelement, "_small", {})
+        monkeypatch.setattr(kept_reduction, "_remembered", {})
+        made.append(build_matrices(given, condensed_from=10))
+        monkeypatch.setattr(stage_of_superelement, "condensed", None)  # needed once
+    assert made[0].part.size < part.size
+    for name in ("frequency", "contact", "compliance", "points"):
+        assert_array_equal(*(getattr(stage.reduced, name) for stage in made))
 
 
 def test_the_error_of_a_sector_does_not_depend_on_the_order_of_its_modes(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Sweeps of superelements."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,11 @@ import bladewhirl as bw
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.free_motion import FreeMotion
+from bladewhirl.studies.runs.folder import write_provenance
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.plan import plan_sweep, read_plan, write_plan
 
 SPEEDS = {"march.speed": ("6000 rpm", "9000 rpm")}
 
@@ -42,6 +46,24 @@ def swept(case: bw.Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
         done = bw.run_sweep(case, SPEEDS | {"contact.friction": (0.0, 0.1)}, folder)
     assert (done.points, done.done, done.left_out) == (4, 4, {})
     return folder
+
+
+def test_a_sweep_is_resumed_with_the_reductions_beside_the_original_file(
+    case: bw.Case, file: Path, tmp_path: Path
+) -> None:
+    """If the original is gone or was changed, beside the copy."""
+    original = tmp_path / "original.npz"
+    shutil.copy(file, original)
+    given = bw.with_values(case, {"bladed_disk.superelement.file": str(original)})
+    (folder := tmp_path / "sweep").mkdir()
+    plan = plan_sweep(given, make_grid(given, SPEEDS, large=False))
+    write_plan(plan, folder)
+    write_provenance(folder, plan.case)
+    assert read_plan(folder).case == given
+    original.write_bytes(b"changed")
+    part = read_plan(folder).case.bladed_disk.superelement
+    assert part is not None
+    assert Path(part.file) == folder / "superelement.npz"
 
 
 @pytest.mark.slow
