@@ -50,11 +50,11 @@ def part_template(
     Args:
         file: path of the superelement, relative to the case file.
         part: the superelement.
-        lowest: its lowest frequency at rest; of the wheel of a sector that of each nodal diameter
-            from 0, as far as known [rad/s].
+        lowest: its lowest frequency at rest; of the wheel of a sector, and of one in one piece with
+            known blades, that of each nodal diameter from 0, as far as known [rad/s].
         critical: critical time step of its reduction to `modes_of` modes [s].
         speeds: range of speeds [rad/s]; by default about the speed at which a multiple of the lobes
-            meets the lowest frequency, of a sector that of the nodal diameter which this engine
+            meets the lowest frequency, of a wheel that of the nodal diameter which this engine
             order excites: about the default of a case, unless the tips are too fast.
         case: path of the case file, for the commands in the comments.
     """
@@ -109,7 +109,10 @@ def part_template(
 copies = {copies}  # {of}
 
 [material]
-# yield_strength = "900 MPa"  # the summary marks stresses above it
+# The file has no limits of the stress. With those of the material the summary compares stresses:
+# yield_strength = "900 MPa"  # the largest von Mises stress
+# endurance = "400 MPa"  # both: mean and alternating stress, and the Haigh diagram
+# strength = "1000 MPa"
 
 [reduction]
 free_interface_modes = {modes_of(part)}  # {owner}
@@ -144,7 +147,7 @@ def modes_of(part: Superelement) -> int:
 
 def _met(part: Superelement, order: int, lowest: Sequence[float]) -> tuple[float, str]:
     """Return the lowest frequency that an engine order excites [rad/s], and its name."""
-    if part.left_dofs is not None and part.sectors is not None:
+    if part.sectors is not None and (part.left_dofs is not None or len(lowest) > 1):
         diameter = abs((order + part.sectors // 2) % part.sectors - part.sectors // 2)
         if diameter < len(lowest):
             own = lowest[diameter]

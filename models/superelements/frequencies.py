@@ -10,6 +10,7 @@ from scipy.linalg import eigh
 
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.hub import hub_freed
+from bladewhirl.models.superelements.nodal_blocks import wheel_blocks
 from bladewhirl.models.superelements.superelement import (
     Matrix,
     Superelement,
@@ -19,6 +20,8 @@ from bladewhirl.models.superelements.superelement import (
 
 SMALL = 600
 """Largest number of unknowns for which all eigenvalues are computed."""
+
+FURTHER = 10  #: number of modes of a wheel besides those of its blades
 
 MASSLESS = 1e-14
 """An inverse eigenvalue up to this fraction of the largest one belongs to a motion without
@@ -84,6 +87,21 @@ def frequencies_by_diameter(
             tie = transformation(part, part.sectors, k)
             own = part.projected(tie, ("mass", "stiffness"))
             yield lowest_frequencies(**own, count=min(count, tie.shape[1]))
+
+
+def frequencies_of_wheel(part: Superelement) -> list[np.ndarray[Any, Any]]:
+    """Return the lowest natural frequencies at rest [Hz] of a wheel in one piece for each nodal
+    diameter from 0, as many as about two modes of each blade contain; empty if its blades are not
+    known or differ, and for a wheel on springs.
+    """
+    part, blades = hub_freed(part), part.sectors or 1
+    if part.left_dofs is not None or part.centre_dofs is not None or blades == 1:
+        return []
+    blocks = wheel_blocks(part, (0.0, 0.0), blades, 2 * blades + FURTHER)
+    if [*blocks] != [*range(blades // 2 + 1)]:
+        return []
+    squares = [np.linalg.eigvalsh(block.stiffness) for block in blocks.values()]
+    return [np.sign(each) * np.sqrt(abs(each)) / (2.0 * np.pi) for each in squares]
 
 
 def _all_eigenvalues(mass: Any, stiffness: Any, shift: float) -> Any:

@@ -17,7 +17,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.structure.waves import Waves
 from bladewhirl.models.superelements.joined import joined, over_speeds
@@ -43,7 +43,11 @@ ALL = 400
 EQUAL = 1e-6
 """Frequencies of a wheel count as equal if their squares differ by at most this fraction."""
 
-CYCLIC = 1e-4
+CLOSE = 1e-3
+"""Rounded coordinates of a mesh mix modes of a wheel whose squared frequencies differ by at most
+this fraction; differences between blades mix others, too."""
+
+CYCLIC = 1e-3
 """A wheel is cyclic if a turn by one blade maps the modes of equal frequency onto each other with a
 relative error of at most this."""
 
@@ -296,14 +300,11 @@ def _by_nodal_diameter(
     following = np.roll(at_nodes, -1, axis=0).reshape(-1, len(squares))
     here = at_nodes.reshape(-1, len(squares))
     starts = np.flatnonzero(np.diff(squares) > EQUAL * np.abs(squares[1:])) + 1
+    turns = _turned(here, following, squares, np.split(np.arange(len(squares)), starts))
+    if turns is None:
+        return None
     found: dict[int, list[ComplexArray]] = {k: [] for k in range(blades // 2 + 1)}
-    for modes in np.split(np.arange(len(squares)), starts):
-        turn, _, rank, _ = np.linalg.lstsq(here[:, modes], following[:, modes], rcond=CYCLIC)
-        error = np.linalg.norm(here[:, modes] @ turn - following[:, modes])
-        if rank < len(modes) or error > CYCLIC * np.linalg.norm(following[:, modes]):
-            if modes[-1] == len(squares) - 1:
-                break  # the last modes lack their partners
-            return None
+    for modes, turn in turns:
         values, vectors = np.linalg.eig(turn)
         waves = np.round(np.angle(values) * blades / (2.0 * np.pi)).astype(int)
         for wave in np.unique(waves):
@@ -313,6 +314,41 @@ def _by_nodal_diameter(
             among, _ = np.linalg.qr(vectors[:, waves == wave])
             found[k].append(np.asarray(shapes[:, modes] @ among, dtype=np.complex128))
     return {k: np.hstack(fields) for k, fields in found.items() if fields}
+
+
+def _turned(
+    here: FloatArray, following: FloatArray, squares: FloatArray, groups: list[IntArray]
+) -> list[tuple[IntArray, FloatArray]] | None:
+    """Return groups of modes with the matrix of a turn by one blade on each of them; None if there
+    is no such matrix. A group that a turn does not map onto itself is joined with the nearer of its
+    neighbours: a mesh that repeats only but for its digits mixes modes of close frequencies.
+
+    Args:
+        here: displacements of the contact nodes in the modes, (3c, m).
+        following: those of the next blades, (3c, m).
+        squares: squared frequencies, (m,).
+        groups: modes of equal frequency.
+    """
+    found, groups = list[tuple[IntArray, FloatArray]](), [*groups]
+    while groups:
+        modes = groups.pop(0)
+        turn, _, rank, _ = np.linalg.lstsq(here[:, modes], following[:, modes], rcond=CYCLIC)
+        error = np.linalg.norm(here[:, modes] @ turn - following[:, modes])
+        if rank == len(modes) and error <= CYCLIC * np.linalg.norm(following[:, modes]):
+            found.append((modes, np.asarray(turn, dtype=np.float64)))
+            continue
+        if not groups:  # the last modes lack their partners
+            return found
+        first, last = modes[0], modes[-1]
+        below = squares[last] - squares[first - 1] if found else np.inf
+        above = squares[last + 1] - squares[first]
+        if min(below, above) > CLOSE * abs(squares[last]):
+            return None
+        if below < above:
+            groups.insert(0, np.concatenate([found.pop()[0], modes]))
+        else:
+            groups[0] = np.concatenate([modes, groups[0]])
+    return found
 
 
 def _block(

@@ -63,10 +63,15 @@ def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
     from bladewhirl.models.case.part_template import modes_of, part_template
     from bladewhirl.models.superelements.critical_step import critical_time_step
     from bladewhirl.models.superelements.file import read_superelement
-    from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
+    from bladewhirl.models.superelements.frequencies import (
+        frequencies_by_diameter,
+        frequencies_of_wheel,
+    )
 
     part = read_superelement(file)
-    found = [*frequencies_by_diameter(part, RIGID + 1, range(DIAMETERS))]
+    found = frequencies_of_wheel(part) or [
+        *frequencies_by_diameter(part, RIGID + 1, range(DIAMETERS))
+    ]
     limit = ELASTIC * max(own.max() for own in found)
     lowest = [2.0 * pi * float(own[own > limit].min()) for own in found]
     ends = None if speeds is None else min(lowest) * speeds.values(min(lowest))
