@@ -177,7 +177,7 @@ def _report(result: Sweep, *, json: bool) -> None:
     drawn."""
     from bladewhirl.studies.modal.speeds_to_avoid import COLUMNS
 
-    title = "Speeds to avoid, of those of the sweep"
+    title = "Speeds to avoid, of those of the sweep, and their margin from the speed of the case"
     numbers = ("points", "done", "failed", "not_needed", "screened", "marched", "wall_time")
     document: dict[str, Any] = {"directory": str(result.directory)}
     document |= {name: getattr(result, name) for name in numbers}
@@ -191,7 +191,7 @@ def _report(result: Sweep, *, json: bool) -> None:
         f"{result.done} of {result.points} points done{screened}, {result.failed} failed"
         f"{not_needed};"
         f" {result.marched} marched in {result.wall_time:.3g} s",
-        *([table_of(avoided, COLUMNS[:-1], title)] if avoided else []),
+        *([table_of(avoided, COLUMNS, title)] if avoided else []),
         f"{result.directory}: {names}",
         json=json,
     )

@@ -21,8 +21,11 @@ def swept(regime: list[list[str]], force: list[float], *, failed: bool = False) 
             "regime": (dims, np.array(regime).T[::-1]),
             "contact_force_max": (dims, both[::-1]),
             "state": (dims, state),
+            "rotation_speed": (dims, np.tile(rpm[:, None] * np.pi / 30.0, 2)),
+            "reference_frequency": (dims, np.full((count, 2), 100.0)),
         },
-        {"march_speed": rpm * np.pi / 30.0, "casing_clearance": [1e-4, 2e-4]},
+        {"march_speed": rpm * np.pi / 3000.0, "casing_clearance": [1e-4, 2e-4]},
+        {"case": '[march]\nspeed = "4000 rpm"'},
     )
 
 
@@ -37,6 +40,7 @@ def test_neighbouring_divergent_speeds_are_one_range() -> None:
         pytest.approx((6000.0, 6000.0)),
     ]
     assert {one["cause"] for one in found} == {"divergent in up to 50%"}
+    assert [one["margin"] for one in found] == pytest.approx([0.25, 0.5])
     both = speeds_to_avoid(swept([regime, regime], [1.0] * 6))
     assert {one["cause"] for one in both} == {"divergent"}
 
