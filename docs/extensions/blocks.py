@@ -5,6 +5,7 @@ A comment on the line above a block has these effects:
 
     <!-- file: stage.toml -->       the block is written to the file, not executed
     <!-- not run: reason -->        the block is not executed, as it needs a cluster, for instance
+    <!-- long: reason -->           the block is executed at full length only
     <!-- markdown: reason -->       the output of the block is Markdown and part of the page
     <!-- quiet: reason -->          the output of the block is not shown
 
@@ -14,8 +15,8 @@ numbers in the text remain those of the blocks.
 A short run of a page shows that its blocks work: commands march at most `SHORT`, except where the
 speed follows a table or each march continues another, sweep two points of each key, follow branches
 over a few points, take a few draws and film two frames. What a short run prints is not compared
-with the text. Pages with `whole: reason` in the front matter are never short; those with
-`long: reason` have no short run.
+with the text. Blocks below `long: reason` are left out. Pages with `whole: reason` in the front
+matter are never short; those with `long: reason` have no short run.
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -40,7 +41,7 @@ SHORT = 0.2
 """Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
-    r"(?:^<!-- (?P<mark>file|not run|markdown|quiet): (?P<argument>[^\n]*?) -->\n)?"
+    r"(?:^<!-- (?P<mark>file|not run|long|markdown|quiet): (?P<argument>[^\n]*?) -->\n)?"
     r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
     re.MULTILINE | re.DOTALL,
 )
@@ -55,7 +56,7 @@ class Block:
 
     language: str
     code: str
-    mark: str  #: "file", "not run", "markdown", "quiet" or empty
+    mark: str  #: "file", "not run", "long", "markdown", "quiet" or empty
     argument: str  #: file name or reason after the mark
     start: int  #: index of the first character in the page
     end: int  #: index after the last character
@@ -79,6 +80,11 @@ def blocks(text: str) -> Iterator[Block]:
         )
 
 
+def has_long_parts(text: str) -> bool:
+    """Return whether a short run leaves out a page, or some of its blocks."""
+    return bool(LONG.match(text)) or any(block.mark == "long" for block in blocks(text))
+
+
 class Session:
     """Execution of the blocks of one page.
 
@@ -96,11 +102,14 @@ class Session:
             examples.symlink_to(ROOT / "examples")
 
     def run(self, block: Block) -> str:
-        """Execute a block, or write it to its file; return the printed output.
+        """Execute a block, or write it to its file; return the printed output, which is empty if
+        the block is left out of a short run.
 
         Raises:
             RuntimeError: a command failed.
         """
+        if self.short and block.mark == "long":
+            return ""
         if block.mark == "file":
             (self.folder / block.argument).write_text(block.code, encoding="utf-8")
             return ""
@@ -168,6 +177,8 @@ def shortened(words: list[str]) -> list[str]:
             short.append(kept[before](word) if before in kept else word)
         if before == "--set":
             sets.append(word)
+    if words[0] == "run" and "--resume" not in words and "--frames" not in words:
+        short += ["--frames", "2"]
     if words[0] in ("run", "sweep") and "--resume" not in words:
         march = read_case(words[1], sets).march
         if any(each.startswith("march.revolutions=") for each in sets):

@@ -4,7 +4,7 @@ The blocks of pages with `executed: true` in the front matter are run before Sph
 if the page or the package changed since the last run; those with `long: reason` too only at full
 length. `<!-- generated: NAME | ARGUMENT -->` is replaced by the text NAME of `reference.GENERATED`,
 of which some have arguments, `<!-- picture: FILE | words -->` by the picture FILE that a block has
-drawn, with the words as alternative text, or by the words if it was not run.
+drawn, with the words as alternative text, or by the words if a short run left the block out.
 """
 
 import hashlib
@@ -125,8 +125,13 @@ def fill(app: Sphinx, document: str, source: list[str]) -> None:
         text = _with_output(text, printed(folder, document)) + link
     text = _MARK.sub(lambda mark: reference.GENERATED[mark[1]](*mark[2].split(" | ")[1:]), text)
     built = f"{'../' * document.count('/')}built/{document}"
-    drawn = runs or not _HEAD.match(text)  # some pages have pictures of others
-    source[0] = _PICTURE.sub(rf"![\2]({built}/\1)" if drawn else r"*\2*", text)
+    left_out = app.config.short and blocks.has_long_parts(source[0])
+
+    def picture(mark: re.Match[str]) -> str:
+        missing = left_out and not (folder / "built" / document / mark[1]).exists()
+        return f"*{mark[2]}*" if missing else f"![{mark[2]}]({built}/{mark[1]})"
+
+    source[0] = _PICTURE.sub(picture, text)
 
 
 def _with_output(text: str, outputs: list[str]) -> str:

@@ -13,7 +13,10 @@ LONG = str(EXAMPLES / "imbalance.toml")  # marches longer than a short run
     ("given", "short"),
     [
         (f"run {LONG} --frames 20", f"run {LONG} --frames 2 --set march.duration=0.2"),
-        (f"run {LONG} --set march.duration=0.02", f"run {LONG} --set march.duration=0.02"),
+        (
+            f"run {LONG} --set march.duration=0.02",
+            f"run {LONG} --set march.duration=0.02 --frames 2",
+        ),
         (
             f"sweep {LONG} --over march.speed=1:2:0.1 --over contact.friction=0,0.1,0.2",
             f"sweep {LONG} --over march.speed=1,2 --over contact.friction=0,0.2"
@@ -44,3 +47,11 @@ def test_words_that_no_block_prints_are_refused_at_full_length(tmp_path: Path) -
     assert blocks.run(other, tmp_path, short=True) == ["5  of 22\n"]
     with pytest.raises(RuntimeError, match="no block prints '6 of 22'"):
         blocks.run(other, tmp_path)
+
+
+def test_a_short_run_leaves_long_blocks_out(tmp_path: Path) -> None:
+    page = "<!-- long: many marches -->\n```python\nprint(1)\n```\n```python\nprint(2)\n```\n"
+    assert blocks.run(page, tmp_path) == ["1\n", "2\n"]
+    assert blocks.run(page, tmp_path, short=True) == ["", "2\n"]
+    assert blocks.has_long_parts(page)
+    assert not blocks.has_long_parts(page.replace("long", "quiet"))
