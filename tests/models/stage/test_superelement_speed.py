@@ -324,7 +324,8 @@ def test_a_wheel_with_massless_ends_has_its_frequencies_above_its_critical_speed
     case = given(march={"speed": "900 rad/s", "time_step": 1e-6})
     wheel = solid(case, tmp_path, "massless", free_interface_modes=20)
     stage = build_matrices(wheel)
-    part: Any = bw.read_superelement(stage.table.file)
+    table: Any = stage.table
+    part: Any = bw.read_superelement(table.file)
     stiffness = dense(part.at(900.0).stiffness)
     stiffness[part.centre_dofs, part.centre_dofs] += stage.case.shaft.stiffnesses
     exact = la.eigh(stiffness, dense(part.mass), eigvals_only=True)[:20]
