@@ -96,7 +96,7 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     if grows and (touched.any() or float(dataset["gap"].min()) <= (1 - CLOSING) * clearance):
         return regime("divergent", grown)
     if not touched.any():
-        return regime("no-contact", "no tip touched")
+        return regime("no-contact", "; ".join(["no tip touched", *([grown] if grows else [])]))
     last = float(time[touched][-1])
     if last <= time[0] + 0.9 * (time[-1] - time[0]):
         return regime("damped", f"last contact recorded at {last:.6g} s; {grown}")

@@ -151,7 +151,7 @@ def test_a_mode_in_time_keeps_its_size_and_holds_nothing_that_a_mode_has_not(
     data = moving("bladed-disk", "suspension", 1, "backward", clearance)
     assert not {"contact_impulse", "energy", "external_work"} & set(data.data_vars)
     size = np.linalg.norm(rotor_field(data), axis=-1)
-    assert size.max() == pytest.approx(clearance or 5e-4, rel=1e-3)
+    assert size.max() == pytest.approx(0.7 * clearance or 5e-4, rel=1e-3)
     np.testing.assert_array_less(-1e-12 - (0.0 if clearance else 5e-4), data["gap"].values)
     strain = data["rotor_frequency"] * data["rotor_displacement"]
     energy = (data["rotor_velocity"] ** 2 + strain**2).sum("rotor_mode")

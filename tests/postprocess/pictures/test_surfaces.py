@@ -19,7 +19,7 @@ from bladewhirl.postprocess.fields.points import points_of
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.paraview.parts import StageParts
 from bladewhirl.postprocess.pictures.appearance import time_text
-from bladewhirl.postprocess.pictures.bodies import TOWARDS, WALL_STATIONS
+from bladewhirl.postprocess.pictures.bodies import OPEN_EDGE, TOWARDS, WALL_STATIONS
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import stage_view
 from bladewhirl.postprocess.pictures.render import strongest_contact
@@ -128,8 +128,11 @@ def test_the_wall_is_open_in_front_of_the_tips(three: xr.Dataset, view: Any) -> 
     across = np.hypot(*unit(np.array(TOWARDS[view]))[:2])
     for index in range(len(RECORDS)):
         seen = drawing.picture(index)
-        disk, wall, hub = seen.solids
+        disk, wall, *edges, hub = seen.solids
         assert np.isnan(hub.values).all()  # separate blades stand on a hub
+        assert len(edges) == (0 if view == "axial" else 2)  # of the wall where it is open
+        if edges:
+            assert max(edge.points[:, 2].max() for edge in edges) > across * RADIUS
         assert len(wall.points) == 4 * WALL_STATIONS
         depth = wall.points[:, 2].max()
         assert (depth > across * RADIUS) == (view == "axial")
@@ -331,8 +334,8 @@ def test_the_page_has_the_surface_and_its_depth(three: xr.Dataset, tmp_path: Pat
     assert about["surfaceShades"] + len(points) == about["nodeShades"] == shades.shape[1] - 9
     assert about["layout"]["casing"][1] == 0  # the wall is a solid
     with_colour = [solid.colour for solid in drawing.solids if not solid.shows]
-    assert about["solidColours"] == with_colour == [METAL]
-    assert shades[0, -10] == len(about["colours"])  # the first colour after those of the scale
+    assert about["solidColours"] == with_colour == [OPEN_EDGE, OPEN_EDGE, METAL]
+    assert shades[0, -10] == len(about["colours"]) + 2  # after those of the scale and of edges
     assert "orbit" not in about  # blades without a common centre
     assert about["marks"]
 

@@ -35,7 +35,7 @@ def test_without_limits_the_figure_says_what_is_missing() -> None:
     given = run_of("wheel").assign_attrs(endurance=2e8)
     figure, data = RunFigures(given).draw("haigh")
     assert "margin" not in data
-    assert figure.axes[0].get_title().endswith("a margin needs\nmaterial.strength")
+    assert figure.axes[0].get_title().endswith("no margin, as the case gives no\nmaterial.strength")
 
 
 def test_lost_blades_are_left_out() -> None:
