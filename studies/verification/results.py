@@ -14,9 +14,12 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.shaft.whirl_history import whirl_history
-from bladewhirl.studies.runs.run import run
+from bladewhirl.solvers.march.schema import RESULT_NAME
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_to_file
 from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 
 SMALL: Mapping[str, Any] = {
@@ -35,16 +38,18 @@ SMALL: Mapping[str, Any] = {
 
 @cache
 def recorded(**changes: Any) -> xr.Dataset:
-    """Run a stage with an initial velocity of the shaft until blades rub, and load the result.
+    """March a stage with an initial velocity of the shaft until blades rub, and load the result.
 
     Args:
         changes: changes of the case, by keys with two underscores for a dot.
     """
     push = {"initial.centre_velocity": [1.5, 0.7]}
     keys = {key.replace("__", "."): value for key, value in changes.items()}
+    case = with_values(Case(), {**SMALL, **push, **keys})
     with TemporaryDirectory() as folder:
-        run(with_values(Case(), {**SMALL, **push, **keys}), Path(folder) / "run", frames=0)
-        with open_result(Path(folder) / "run") as result:
+        path = Path(folder) / RESULT_NAME
+        march_to_file(prepare(case), path, dumps_case(case))
+        with open_result(path) as result:
             return result.load()
 
 
@@ -131,8 +136,8 @@ def circle(way: str) -> Pairs:
     starts."""
     longer = {"march__duration": 0.1, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
-    still = {"initial__centre_velocity": (0.0, 0.0)}
-    natural = float(recorded(**pair, **still)["rotor_frequency"][0])
+    still = {"initial__centre_velocity": (0.0, 0.0), "march__duration": 1e-3}
+    natural = float(recorded(**pair | still)["rotor_frequency"][0])
     rate = natural if way == "forward" else -natural
     start = {
         "initial__centre_displacement": (1e-4, 0.0),
