@@ -6,6 +6,7 @@ import runpy
 from pathlib import Path
 
 import pytest
+from long_cases import slow_except
 from places import ROOT
 
 import bladewhirl as bw
@@ -17,6 +18,14 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
+QUICK = [
+    ROOT / "examples" / f"{name}.toml"
+    for name in (
+        *("abradable_coating", "curved_blades", "mistuned_blades", "shrouded_blades"),
+        *("spinning_fan", "twisted_blade", "unequal_bearings", "unequal_shaft"),
+    )
+]
+"""Examples of different kinds of stages and loads."""
 
 
 def row_of_the_page(name: str) -> list[str]:
@@ -26,7 +35,7 @@ def row_of_the_page(name: str) -> list[str]:
     return [cell.strip() for cell in row.split("|")]
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", slow_except(EXAMPLES, *QUICK), ids=lambda path: path.stem)
 def test_marches(path: Path) -> None:
     case = with_values(read_case(path), {"march.duration": 3e-3, "march.record_step": 1e-4})
     result, report = march_in_memory(prepare(case))
@@ -53,6 +62,7 @@ def test_the_script_makes_the_file(name: str) -> None:
         assert abs(getattr(made, name) - getattr(kept, name)).max() <= 1e-10 * largest
 
 
+@pytest.mark.slow
 def test_the_blades_of_the_shipped_sector_may_differ_and_have_a_stress() -> None:
     case = read_case(ROOT / "examples" / "bladed_disk.toml")
     case = with_values(case, {"bladed_disk.mistuning.stiffness_spread": 0.02})

@@ -19,7 +19,13 @@ print(*counts)
 
 
 @pytest.mark.parametrize("given", [{}, {"OPENBLAS_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"}])
-@pytest.mark.parametrize("modules", [("numpy", "bladewhirl"), ("bladewhirl", "numpy")])
+@pytest.mark.parametrize(
+    "modules",
+    [
+        pytest.param(("numpy", "bladewhirl"), marks=pytest.mark.slow),
+        ("bladewhirl", "numpy"),
+    ],
+)
 def test_linear_algebra_uses_one_thread(modules: tuple[str, str], given: dict[str, str]) -> None:
     unset = {*VARIABLES, "OMP_NUM_THREADS"}
     bare = {name: value for name, value in os.environ.items() if name not in unset}

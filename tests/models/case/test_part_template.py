@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from command_line import answer, refusal
+from long_cases import slow_except
 from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever, wheel_frequencies
 
 import bladewhirl as bw
@@ -28,7 +29,7 @@ def parts(kind: str) -> Superelement:
     return bw.mesh3d(cantilever("tetra10"), **STEEL, contacts=2)
 
 
-@pytest.mark.parametrize("kind", ["sector", "blade"])
+@pytest.mark.parametrize("kind", slow_except(["sector", "blade"], "blade"))
 def test_a_case_for_a_part_runs_as_it_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
@@ -59,7 +60,7 @@ def test_a_case_for_a_part_runs_as_it_is(
         assert command.startswith("# bladewhirl ")
 
 
-@pytest.mark.parametrize("kind", ["sector", "blade"])
+@pytest.mark.parametrize("kind", slow_except(["sector", "blade"], "blade"))
 def test_the_steps_of_a_case_suit_its_critical_time_step(tmp_path: Path, kind: str) -> None:
     part = parts(kind)
     bw.write_superelement(tmp_path / "part.npz", part)

@@ -7,6 +7,7 @@ import meshio
 import numpy as np
 import pytest
 import pyvista
+from long_cases import slow_except
 from places import ROOT
 from solid_meshes import (
     CALCULIX,
@@ -71,7 +72,7 @@ def test_wedges_among_hexahedra_are_those_of_calculix(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("element", sorted(SOLIDS.keys() - {"C3D8R"}))
-@pytest.mark.parametrize("speed", [0.0, CALCULIX["speed"]])
+@pytest.mark.parametrize("speed", slow_except([0.0, CALCULIX["speed"]], CALCULIX["speed"]))
 def test_frequencies_of_a_wheel_about_x_are_those_of_calculix(
     element: str, speed: float, tmp_path: Path
 ) -> None:

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from command_line import answer, refusal
+from long_cases import slow_except
 from places import EXAMPLES
 from solid_meshes import (
     SECTORS,
@@ -113,7 +114,7 @@ def test_a_sector_that_reaches_the_axis_is_proposed_with_clamped_nodes_there(
     assert part.size == 36  # all nodes but those on the axis
 
 
-@pytest.mark.parametrize("axis", ["x", "y", "z"])
+@pytest.mark.parametrize("axis", slow_except(["x", "y", "z"], "x"))
 @pytest.mark.parametrize("named", [True, False])
 def test_a_proposal_pasted_as_it_is_makes_the_part(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, axis: str, named: bool
@@ -203,6 +204,7 @@ def test_a_wheel_in_one_piece_becomes_a_case(
     assert (table.kind, table.copies) == ("wheel", SECTORS)
 
 
+@pytest.mark.slow
 def test_a_wheel_in_one_piece_has_the_modes_of_its_sector(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -44,7 +44,13 @@ STRONG = "coupling.stiffness=2e6"
 @pytest.mark.parametrize(
     ("kept", "coupled", "speed", "options"),
     [
-        ("six", "six", 10.0, ("initial.centre_displacement=[2e-4, 1e-4]",)),
+        pytest.param(
+            "six",
+            "six",
+            10.0,
+            ("initial.centre_displacement=[2e-4, 1e-4]",),
+            marks=pytest.mark.slow,
+        ),
         ("six", "1F,casing", 10.0, ("coupling.pi=false",)),
         ("*:0,*:1,1F,casing", "all", 10.0, ("coupling.stiffness=2e4",)),
         ("six", "six", 20.0, ("coupling.amplitude=physical", "coupling.stiffness=1e8")),

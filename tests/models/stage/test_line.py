@@ -121,7 +121,7 @@ def in_static_axes(stage: LineStage, end: float) -> FloatArray:
     ("march", "loads"),
     [
         ({"speed": "2400 rpm"}, ["static", "rotating"]),
-        ({"speed": "-2400 rpm"}, []),
+        pytest.param({"speed": "-2400 rpm"}, [], marks=pytest.mark.slow),
         ({"speed_table": [[0.0, "0 rpm"], [0.02, "6000 rpm"], [0.03, "5000 rpm"]]}, ["static"]),
     ],
     ids=["constant", "reversed", "varying"],

@@ -11,6 +11,7 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
 from contact_cases import ledger_residual
+from long_cases import slow_except
 from plain_rotor import NU, RHO, SPIN, E, Shaft, rotor
 from scipy.integrate import solve_ivp
 from solid_meshes import fan_sector, whole
@@ -265,7 +266,8 @@ def remaining(part: Any) -> Any:
     return replace(part, **part.projected(select), **dofs)
 
 
-@pytest.mark.parametrize("speed", [pytest.param(600.0, marks=pytest.mark.slow), 1800.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [600.0, 1800.0])
 def test_the_loss_of_a_blade_is_that_of_the_unreduced_rotor(speed: float, folder: Path) -> None:
     """Below and above the first critical speed, with the moment of a blade that leans forward."""
     lost_at, end, step = 2e-4, 1.2e-3, 5e-7
@@ -383,7 +385,10 @@ def test_a_free_tilted_rotor_keeps_its_momentum_about_the_axis(folder: Path) -> 
 
 @pytest.mark.parametrize(
     ("march", "size", "tolerance"),
-    [({}, 1e-3, 1e-10), ({"drive": {"inertia": 0.02}}, 1e-8, 2e-10)],
+    [
+        pytest.param({}, 1e-3, 1e-10, marks=pytest.mark.slow),
+        ({"drive": {"inertia": 0.02}}, 1e-8, 2e-10),
+    ],
     ids=["constant", "free"],
 )
 def test_a_free_vibrating_rotor_keeps_its_momentum_across_the_axis(
@@ -504,7 +509,10 @@ RINGS: dict[float, dict[str, Any]] = {
 
 
 # the last of 120 is one of four of equal frequency
-@pytest.mark.parametrize(("walls", "modes"), [(WALLS, 60), (WALLS, 120), (RINGS, 60)])
+@pytest.mark.parametrize(
+    ("walls", "modes"),
+    [pytest.param(WALLS, 60, marks=pytest.mark.slow), (WALLS, 120), (RINGS, 60)],
+)
 def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(
     walls: dict[float, dict[str, Any]], modes: int, folder: Path
 ) -> None:

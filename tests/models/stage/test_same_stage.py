@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from long_cases import slow_except
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -109,7 +110,7 @@ def test_engine_orders_act_on_points_of_the_file(kind: str, tmp_path: Path) -> N
 
 @pytest.mark.parametrize("kind", ["wheel", "sector", "blade"])
 @pytest.mark.parametrize("wall", ["ring", "rigid"])
-@pytest.mark.parametrize("sliding", ["permanent", "full"])
+@pytest.mark.parametrize("sliding", slow_except(["permanent", "full"], "full"))
 def test_contact_in_every_wall_is_that_of_the_beams(
     kind: str, wall: str, sliding: str, tmp_path: Path
 ) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from exported_stages import beams, exported
+from long_cases import slow_except
 from solid_meshes import STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
@@ -161,7 +162,7 @@ def test_contact_nodes_are_where_statics_place_them(tmp_path: Path, kind: str) -
         np.testing.assert_allclose(found, pressed, atol=3e-6 * np.abs(pressed).max())
 
 
-@pytest.mark.parametrize("kind", ["wheel", "blade", "sector"])
+@pytest.mark.parametrize("kind", slow_except(["wheel", "blade", "sector"], "wheel", "blade"))
 def test_frequencies_at_each_speed_are_those_of_the_file(tmp_path: Path, kind: str) -> None:
     """The first ten, without Coriolis forces, of coordinates that belong to the fastest speed."""
     stage, problem = massless(tmp_path) if kind == "wheel" else of_solids(tmp_path, kind)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from command_line import answer, refusal
 from exported_stages import BLADES, beams, exported
+from long_cases import slow_except
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from PIL import Image, ImageSequence
 from rod_blade import blade, tables
@@ -96,7 +97,7 @@ def test_the_command_draws_both_bodies(tmp_path: Path) -> None:
     assert "expected a superelement whose file has points, recovery and triangles" in line
 
 
-@pytest.mark.parametrize("wave", ["backward", "forward"])
+@pytest.mark.parametrize("wave", slow_except(["backward", "forward"], "forward"))
 @pytest.mark.parametrize(("effects", "body", "family"), CASES)
 def test_waves_travel_as_those_of_its_beams(
     tmp_path: Path, wave: Wave, effects: str, body: Body, family: str

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from legible import assert_legible
+from long_cases import slow_except
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Rectangle, StepPatch
 from three_runs import KINDS, Kind, run_of
@@ -22,7 +23,7 @@ from bladewhirl.postprocess.run.histories import contact_force
 STAGE, HISTORY, CLOCK, STRESS, CASING, CAMPBELL = range(6)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "blade"))
 def test_what_is_drawn_is_what_is_stored(kind: Kind) -> None:
     run = run_of(kind)
     with at_width(0.085):

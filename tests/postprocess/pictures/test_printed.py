@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from legible import assert_legible
+from long_cases import slow_except
 from matplotlib.image import imread
 from three_runs import KINDS, Kind, run_of
 
@@ -18,7 +19,7 @@ from bladewhirl.postprocess.pictures.render import strongest_contact
 from bladewhirl.postprocess.plotting.style import COLUMN_WIDTH, FULL_WIDTH
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "blade"))
 def test_letters_lie_apart_and_the_title_has_the_largest_force(kind: Kind) -> None:
     run = run_of(kind)
     record = np.array([strongest_contact(run)])

@@ -7,6 +7,7 @@ from pathlib import Path
 import matplotlib.style
 import numpy as np
 import pytest
+from long_cases import slow_except
 from matplotlib.figure import Figure
 from three_runs import KINDS, Kind, run_of
 
@@ -62,7 +63,7 @@ def test_a_page_of_a_figure_loads_nothing(tmp_path: Path) -> None:
     assert [len(panel["curves"]) + len(panel["maps"]) for panel in data] == [1, 1]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "blade"))
 def test_figures_of_every_stage_have_values(kind: Kind) -> None:
     for name in ("unrolled", "haigh", "close-up"):
         figure, _ = RunFigures(run_of(kind)).draw(name)

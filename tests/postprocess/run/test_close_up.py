@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from legible import assert_legible
+from long_cases import slow_except
 from three_runs import KINDS, Kind, run_of
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -38,7 +39,7 @@ def test_the_gap_is_that_between_path_and_wall(kind: Kind) -> None:
     np.testing.assert_allclose(np.diff(data["passed"]), period)
 
 
-@pytest.mark.parametrize("width", [0.085, 0.17])
+@pytest.mark.parametrize("width", slow_except([0.085, 0.17], 0.085))
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_drawn_is_what_is_stored(kind: Kind, width: float) -> None:
     with at_width(width):

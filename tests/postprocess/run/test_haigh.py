@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from legible import assert_legible
+from long_cases import slow_except
 from three_runs import KINDS, Kind, run_of
 
 from bladewhirl.postprocess.plotting.style import at_width
@@ -13,7 +14,7 @@ LIMITS = {"endurance": 2e8, "strength": 9e8}
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("width", [0.085, 0.17])
+@pytest.mark.parametrize("width", slow_except([0.085, 0.17], 0.085))
 def test_points_are_the_stored_values(kind: Kind, width: float) -> None:
     with at_width(width):
         figure, data = RunFigures(run_of(kind).assign_attrs(LIMITS)).draw("haigh")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from exported_stage import Kind, same_stage
+from long_cases import slow_except
 
 from bladewhirl.postprocess.fields.enlarged import EnlargedStage
 from bladewhirl.postprocess.fields.result import open_result
@@ -65,7 +66,7 @@ def assert_alike(one: Any, other: Any, name: str) -> None:
         assert np.array_equal(one, other), name
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "wheel"))
 def test_contact_nodes_have_the_same_variables(kind: Kind, tmp_path: Path) -> None:
     """Also in a result that is saved and opened again, which keeps what was stored."""
     (beams, _, _), (solid, _, _) = marched(kind)
@@ -114,7 +115,7 @@ def test_points_of_a_sweep_are_the_same(kind: Kind) -> None:
         assert_alike(one, other, name)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", slow_except(KINDS, "wheel"))
 def test_figures_are_the_same(kind: Kind) -> None:
     (beams, _, _), (solid, _, _) = marched(kind)
     lacking = {"stress", "haigh", "energy-families"}

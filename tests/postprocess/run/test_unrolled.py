@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from legible import assert_legible
+from long_cases import slow_except
 from matplotlib.collections import QuadMesh
 from matplotlib.patches import StepPatch
 from three_runs import KINDS, Kind, run_of
@@ -49,7 +50,7 @@ def test_places_have_seen_the_extremes_of_a_plain_loop(kind: Kind) -> None:
         assert worn.max() > 0.0
 
 
-@pytest.mark.parametrize("width", [0.085, 0.17])
+@pytest.mark.parametrize("width", slow_except([0.085, 0.17], 0.085))
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_drawn_is_what_is_stored(kind: Kind, width: float) -> None:
     with at_width(width):

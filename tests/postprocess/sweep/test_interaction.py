@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from legible import assert_legible
+from long_cases import slow_except
 from matplotlib.collections import PolyCollection, QuadMesh
 from synthetic_result import SPEED, resting, synthetic_result
 from synthetic_sweep import synthetic_sweep
@@ -40,7 +41,7 @@ def _shown(mesh: Any) -> Any:
     return np.ma.compressed(mesh.get_array())
 
 
-@pytest.mark.parametrize("width", [0.085, 0.17])
+@pytest.mark.parametrize("width", slow_except([0.085, 0.17], 0.085))
 def test_what_is_drawn_is_what_is_stored(folder: Path, width: float) -> None:
     with bw.open_sweep(folder) as sweep, at_width(width):
         figure, data = SweepFigures(sweep).draw("interaction")

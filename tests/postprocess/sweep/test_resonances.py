@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from exported_stages import Kind, beams, exported
+from long_cases import slow_except
 from sweep_work import in_process
 from synthetic_result import ROTOR_FREQUENCY, synthetic_result
 
@@ -33,7 +34,7 @@ def case_of(kind: str, folder: Path) -> bw.Case:
     return exported(own, whole, folder, march=march, reduction=modes)
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(scope="module", params=slow_except(KINDS, "sector", "beams"))
 def swept(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp(request.param)
     case, made = case_of(request.param, folder), folder / "swept"

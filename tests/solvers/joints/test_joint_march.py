@@ -120,7 +120,10 @@ def test_a_motion_is_that_of_an_independent_march(
     assert (shares[0] > 0) == (overclosure < 4e-4)
 
 
-@pytest.mark.parametrize(("overclosure", "slipping"), [(1.2e-3, 0.0), (9e-4, 0.0), (5e-4, 0.9)])
+@pytest.mark.parametrize(
+    ("overclosure", "slipping"),
+    [(1.2e-3, 0.0), pytest.param(9e-4, 0.0, marks=pytest.mark.slow), (5e-4, 0.9)],
+)
 def test_a_tuned_wheel_moves_as_the_periodic_motion_of_one_blade(
     tmp_path: Path, overclosure: float, slipping: float
 ) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from joint_cases import blade, tables
 from joint_march import Wheel
+from long_cases import slow_except
 from march_grid import MarchGrid
 
 import bladewhirl as bw
@@ -84,7 +85,7 @@ def three_blades(folder: Path, overclosure: float, blades: int = 3, order: int =
     return jointed_wheel(stage)
 
 
-@pytest.mark.parametrize("overclosure", [1.2e-3, 8e-4, 5e-4, 3e-4])
+@pytest.mark.parametrize("overclosure", slow_except([1.2e-3, 8e-4, 5e-4, 3e-4], 1.2e-3, 3e-4))
 def test_a_motion_is_that_of_a_march_of_all_blades(tmp_path: Path, overclosure: float) -> None:
     given = three_blades(tmp_path, overclosure)
     found = joint_motion(given)
@@ -97,7 +98,8 @@ def test_a_motion_is_that_of_a_march_of_all_blades(tmp_path: Path, overclosure: 
     assert (found.states == OPEN).any() == (overclosure < 4e-4)
 
 
-@pytest.mark.parametrize("overclosure", [pytest.param(8e-4, marks=pytest.mark.slow), 3e-4])
+@pytest.mark.slow
+@pytest.mark.parametrize("overclosure", [8e-4, 3e-4])
 def test_a_wave_is_a_march_of_all_blades_at_equal_instants(
     tmp_path: Path, overclosure: float
 ) -> None:

@@ -1,11 +1,13 @@
 """March of structures with many contact nodes, against plain NumPy: walls, rings and coatings."""
 
+from itertools import cycle, product
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from boundary_cases import advanced, assert_plain, bladed, casing, coating, rubbing
+from long_cases import slow_except
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -43,8 +45,10 @@ KINDS: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("massless", [True, False])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "massless"),
+    slow_except(product(KINDS, [True, False]), *zip(KINDS, cycle([True, False]), strict=False)),
+)
 def test_the_compiled_march_is_that_of_plain_numpy(kind: str, massless: bool) -> None:
     problem = bladed(2, 3, massless=massless, **KINDS[kind])
     dt, steps = 4e-6, 150 if "coating" in kind else 250

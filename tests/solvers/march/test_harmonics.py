@@ -51,7 +51,7 @@ def wheel(sector: Path, sliding: str, effects: str, ring: bool) -> ContactProble
 @pytest.mark.parametrize(
     ("sliding", "effects", "ring"),
     [
-        ("permanent", "centrifugal", False),
+        pytest.param("permanent", "centrifugal", False, marks=pytest.mark.slow),
         ("permanent", "full", True),
         ("full", "centrifugal", True),
         ("full", "full", False),

@@ -27,7 +27,10 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("friction", "layer"), [(0.3, None), (0.3, 4e10), (1.5, None)])
+@pytest.mark.parametrize(
+    ("friction", "layer"),
+    [(0.3, None), (0.3, 4e10), pytest.param(1.5, None, marks=pytest.mark.slow)],
+)
 def test_friction_holds_nodes_or_opposes_their_slip(
     parts: Path, friction: float, layer: float | None
 ) -> None:

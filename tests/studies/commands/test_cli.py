@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import loaded, refusal
+from long_cases import slow_except
 from places import EXAMPLES
 from small_run import COMMAND
 from typer import Exit
@@ -220,7 +221,7 @@ def test_a_terminal_shows_progress_from_the_start(monkeypatch: pytest.MonkeyPatc
     assert shown[6:9] == [("figures", 0, 2), ("figures", 1, 2), ("preparing", 0, 0)]
 
 
-@pytest.mark.parametrize("command", ["modes", "campbell"])
+@pytest.mark.parametrize("command", slow_except(["modes", "campbell"], "modes"))
 def test_a_bar_on_a_terminal_leaves_the_output_as_it_is(tmp_path: Path, command: str) -> None:
     """Standard error is a terminal, standard output is a file."""
     end, terminal_side = os.openpty()

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from command_line import answer, refusal
 from exported_stage import Kind, same_stage
+from long_cases import slow_except
 from shaft_line_case import line_case
 
 import bladewhirl as bw
@@ -111,10 +112,7 @@ def test_default_time_steps_and_modes() -> None:
 
 @pytest.mark.parametrize(
     "kind",
-    [
-        pytest.param(each, marks=pytest.mark.slow) if each in ("blade", "sector") else each
-        for each in KINDS
-    ],
+    slow_except(KINDS, "blade"),
 )
 def test_every_stage_converges(kind: Kind, tmp_path: Path) -> None:
     """A stage of beams and its superelement depend on the time step in the same way."""

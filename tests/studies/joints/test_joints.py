@@ -214,9 +214,9 @@ def test_a_rub_that_does_not_follow_from_one_blade_is_refused(
 @pytest.mark.parametrize(
     ("key", "start", "stop"),
     [
-        ("joint.shroud.preload", "10 N", "40 N"),
+        pytest.param("joint.shroud.preload", "10 N", "40 N", marks=pytest.mark.slow),
         ("joint.shroud.friction", 0.2, 0.4),
-        ("excitation.amplitude", "1 N", "4 N"),
+        pytest.param("excitation.amplitude", "1 N", "4 N", marks=pytest.mark.slow),
         ("march.speed", "7000 rpm", "7200 rpm"),
     ],
 )

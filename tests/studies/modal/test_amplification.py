@@ -62,7 +62,7 @@ def test_a_damped_resonance_is_named_by_its_peak() -> None:
     [
         pytest.param("none", None, marks=pytest.mark.slow),
         pytest.param("centrifugal", None, marks=pytest.mark.slow),
-        ("full", None),
+        pytest.param("full", None, marks=pytest.mark.slow),
         ("none", DAMPED),
         pytest.param("full", DAMPED, marks=pytest.mark.slow),
         pytest.param("full", DAMPED | {"damping_frame": "static"}, marks=pytest.mark.slow),

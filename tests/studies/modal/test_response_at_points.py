@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from long_cases import slow_except
 from solid_meshes import SECTORS, STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
@@ -116,9 +117,10 @@ KINDS = [
     *(("sector", "full", mistuned) for mistuned in (False, True)),
     *(("wheel", effects, False) for effects in ("none", "full")),
 ]
+QUICK = [("blade", "full", False), ("sector", "none", True), ("wheel", "none", False)]
 
 
-@pytest.mark.parametrize(("kind", "effects", "mistuned"), KINDS)
+@pytest.mark.parametrize(("kind", "effects", "mistuned"), slow_except(KINDS, *QUICK))
 def test_forces_on_points_move_contact_nodes_as_statically(
     kind: str, effects: str, mistuned: bool, tmp_path: Path
 ) -> None:
@@ -163,7 +165,7 @@ def test_a_slow_response_is_that_of_all_coordinates(kind: str, tmp_path: Path) -
     assert np.abs(modal[:2] - expected[:2]).max() > 0.01 * largest
 
 
-@pytest.mark.parametrize(("kind", "effects", "mistuned"), KINDS)
+@pytest.mark.parametrize(("kind", "effects", "mistuned"), slow_except(KINDS, *QUICK))
 def test_forces_on_contact_nodes_are_those_on_the_same_points(
     kind: str, effects: str, mistuned: bool, tmp_path: Path
 ) -> None:

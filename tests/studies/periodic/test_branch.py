@@ -225,7 +225,7 @@ RING = {
     ("changes", "key", "start", "stop"),
     [
         (SMALL, "contact.friction", 0.0, 0.05),
-        (LOADED, "excitation.amplitude", "3 N", "0 N"),
+        pytest.param(LOADED, "excitation.amplitude", "3 N", "0 N", marks=pytest.mark.slow),
     ],
 )
 def test_a_branch_passes_changes_of_the_unknowns_and_of_the_period(

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from long_cases import slow_except
 from sweep_work import CASE, OVER, InProcess
 
 from bladewhirl.models.inputs.errors import UserError
@@ -54,7 +55,7 @@ def test_a_sweep_in_a_pool_says_what_to_do(tmp_path: Path, monkeypatch: pytest.M
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("after", [1, 6])
+@pytest.mark.parametrize("after", slow_except([1, 6], 1))
 def test_a_removed_folder_does_not_come_back(
     tmp_path: Path, process: InProcess, after: int
 ) -> None:
