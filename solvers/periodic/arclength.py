@@ -19,7 +19,7 @@ SHORTEST = 1e-5  #: shortest step, relative to the longest
 GROWTH = 2.0  #: change of the length of steps
 FEW, MANY = 4, 7  #: numbers of Newton steps below and above which the steps grow and shrink
 CORRECTIONS = 8  #: largest number of Newton steps of a correction
-NEAR = 1e-8  #: largest error of a point, relative to the unknowns
+NEAR = 1e-8  #: default of the largest error of a point, relative to the unknowns
 TURN = 0.7  #: smallest cosine of the angle between two tangents, unless steps are short
 
 
@@ -101,6 +101,7 @@ class Branch:
 
     equations: Callable[[FloatArray, float], Equations]
     least: float = 1.0  #: least size s
+    near: float = NEAR  #: largest error of a point, relative to the unknowns
 
     def begin(self, unknowns: FloatArray, parameter: float, sign: float) -> Point:
         """Return a solution at a parameter, which changes with a sign along the tangent.
@@ -152,7 +153,7 @@ class Branch:
                 change, tangent = np.linalg.solve(matrix, sides).T
             except np.linalg.LinAlgError:
                 return None
-            if largest <= NEAR:
+            if largest <= self.near:
                 own = np.append(np.full(len(place) - 1, size**-2), 1.0)
                 return Point(place, tangent / _length(tangent, own), own, step)
             place = place - change

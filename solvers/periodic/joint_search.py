@@ -44,8 +44,9 @@ SMOOTH, SHARPEST = (0.02, 0.1), 1e-6
 """Smoothings of the law that are tried in turn, and the least one, relative to typical forces."""
 FALL, SLOWEST = 0.25, 0.95
 """Least and largest factor from a smoothing to the next one."""
-PATH_STEPS, LONGEST, SHORT = 150, 0.3, 0.05
-"""Largest number of points of a branch of loads, its longest and first steps."""
+PATH_STEPS, LONGEST, SHORT, NEAR = 150, 0.3, 0.05, 1e-4
+"""Largest number of points of a branch of loads, its longest and first steps, and the largest error
+of a point, relative to the forces."""
 FARTHEST, NUDGE = 0.1, 1e-7
 """Longest step of a branch over a parameter, relative to the forces, and the change of the share of
 its range for derivatives."""
@@ -151,7 +152,7 @@ def loaded(grid: JointGrid, smooth: float) -> JointMotion:
         by_share = _by_share(grid, slope) / grid.size
         return Equations(error.ravel() / grid.size, _matrix(grid, slope), by_share)
 
-    branch = Branch(at)
+    branch = Branch(at, near=NEAR)
     before = branch.begin(rest.parts.ravel() / grid.size, 0.0, 1.0)
     points = follow(before, branch.ahead, LONGEST, SHORT)
     for _, (point, _) in zip(range(PATH_STEPS), points, strict=False):
@@ -314,10 +315,18 @@ def _refined(motion: JointMotion, grid: JointGrid, *, anew: bool) -> JointMotion
     near = motion.on(grid)
     ways: list[Callable[[], JointMotion]] = [partial(solve, near)]
     if anew:
-        smooth = SMOOTH[0]
-        ways.append(lambda: sharpened(solve(near, smooth * grid.size), smooth))
+        ways += [partial(_smoothed, near, each) for each in SMOOTH]
         ways += [partial(loaded, grid, each) for each in SMOOTH]
     return _first_of(ways)
+
+
+def _smoothed(near: JointMotion, smooth: float) -> JointMotion:
+    """Return the motion to which one nearby leads through smooth laws.
+
+    Raises:
+        NotConverged: no motion was found.
+    """
+    return sharpened(solve(near, smooth * near.grid.size), smooth)
 
 
 def branch(
