@@ -44,12 +44,13 @@ class Wave:
     rows: ComplexArray  #: P_k [kg^-1/2], (2 * values, modes)
     compliance: ComplexArray  #: C_k [m/N], (2 * values, 2 * values)
 
-    def admittance(self, w: float) -> ComplexArray:
-        """Return A(w), (modes, modes), or its diagonal, (modes,), if D is diagonal."""
-        rates = np.diag(self.damping)
+    def admittance(self, w: float | FloatArray) -> ComplexArray:
+        """Return A(w), (..., modes, modes), or its diagonal, (..., modes), if D is diagonal."""
+        rates, w = np.diag(self.damping), np.asarray(w)[..., None]
         if not np.count_nonzero(self.damping - np.diag(rates)):
             return np.asarray(1.0 / (self.stiffness - w**2 + 1j * w * rates))
-        return np.asarray(np.linalg.inv(np.diag(self.stiffness - w**2) + 1j * w * self.damping))
+        w, own = w[..., None], np.diag(self.stiffness)
+        return np.asarray(np.linalg.inv(own - w**2 * np.eye(len(own)) + 1j * w * self.damping))
 
 
 def times(admittance: ComplexArray, values: ComplexArray) -> ComplexArray:
@@ -172,18 +173,32 @@ class JointedWheel:
     def flexibility(self, k: int, w: float) -> ComplexArray:
         """Return the displacements d of the joints by forces on them in a wave of a nodal diameter
         at a frequency [rad/s]: [m/N], (values, values)."""
-        return self.residual(k) + self.by_modes(k, self.wave(k).admittance(w))
+        admittance = self.wave(k).admittance(np.array([w]))
+        return np.asarray(self.flexibilities(np.array([k]), admittance)[0])
 
-    def residual(self, k: int) -> ComplexArray:
-        """Return the part of `flexibility` of the residual flexibility of the blades."""
-        left, right = np.split(self.joined(k, self.wave(k).compliance), 2, axis=1)
-        return np.asarray(np.conj(self.phase(k)) * left + right)
+    def flexibilities(self, k: IntArray, admittance: ComplexArray) -> ComplexArray:
+        """Return `flexibility` in waves of nodal diameters.
 
-    def by_modes(self, k: int, admittance: ComplexArray) -> ComplexArray:
-        """Return the part of `flexibility` of the modes for their answers to modal forces, see
-        `Wave.admittance`."""
-        rows = self.joined(k, self.wave(k).rows)
-        return np.asarray(rows @ times(admittance, rows.conj().T))
+        Args:
+            k: nodal diameters, (waves,).
+            admittance: answers to modal forces, see `Wave.admittance`, (waves, modes) or (waves,
+                modes, modes).
+        """
+        found = np.empty((len(k), self.values, self.values), dtype=np.complex128)
+        same = k % self.blades if len(self.contact) > 1 else np.zeros_like(k)
+        for each in np.unique(same).tolist():
+            at, wave = np.flatnonzero(same == each), self.wave(each)
+            phase = np.exp(2j * np.pi * k[at] / self.blades)[:, None, None]
+            rows, flexible = (
+                phase * one[: self.values] + one[self.values :]
+                for one in (wave.rows, wave.compliance)
+            )
+            back = rows.conj().swapaxes(1, 2)
+            full = admittance.ndim == 3
+            modal = rows @ (admittance[at] @ back if full else admittance[at, :, None] * back)
+            left, right = np.split(flexible, 2, axis=2)
+            found[at] = phase.conj() * left + right + modal
+        return found
 
     def frequency(self, order: int) -> float:
         """Return the frequency of an engine order, positive in the direction of time [rad/s]."""

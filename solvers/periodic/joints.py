@@ -78,9 +78,8 @@ class JointGrid:
     def responses(self) -> ComplexArray:
         """Displacements S of a joint by forces on it [m/N], (H + 1, values, values)."""
         wheel, diameter = self.wheel, self.order if self.wheel.speed > 0.0 else -self.order
-        turn = 2.0 * np.pi / self.period
-        each = [wheel.flexibility(h * diameter, h * turn) for h in self.number.tolist()]
-        return np.array(each, dtype=np.complex128)
+        w = np.asarray(2.0 * np.pi / self.period * self.number, dtype=np.float64)
+        return wheel.flexibilities(diameter * self.number, wheel.wave(0).admittance(w))
 
     @cached_property
     def effects(self) -> ComplexArray:

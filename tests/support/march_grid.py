@@ -44,9 +44,7 @@ class MarchGrid(JointGrid):
 
     @cached_property
     def responses(self) -> ComplexArray:
-        wheel, diameter = self.wheel, (self.number * self.order).tolist()
-        each = zip(diameter, self._modes, strict=True)
-        return np.array([wheel.residual(k) + wheel.by_modes(k, modes) for k, modes in each])
+        return self.wheel.flexibilities(self.number * self.order, self._modes)
 
     @cached_property
     def free(self) -> ComplexArray:
