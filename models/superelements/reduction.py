@@ -28,10 +28,12 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import Rotating
+from bladewhirl.models.superelements.dense_pencil import SMALL as SMALL_DENSE
+from bladewhirl.models.superelements.dense_pencil import DensePencil
 from bladewhirl.models.superelements.diameters import turned_to_diameters
 from bladewhirl.models.superelements.free_motions import FreeMotions
 from bladewhirl.models.superelements.further_modes import further, independent, scaled, stiffest
-from bladewhirl.models.superelements.solver import MatrixPencil, announce
+from bladewhirl.models.superelements.solver import MatrixPencil, Pencil, announce
 from bladewhirl.models.superelements.stresses import (
     InModes,
     ReducedStress,
@@ -443,8 +445,10 @@ def modes_and_static(
         raise IndefiniteError(STIFF) from None
 
 
-def _factorised(stiffness: Matrix, mass: Matrix, shift: float) -> MatrixPencil:
+def _factorised(stiffness: Matrix, mass: Matrix, shift: float) -> Pencil:
     try:
+        if not sp.issparse(stiffness) and len(stiffness) <= SMALL_DENSE:
+            return DensePencil(stiffness, dense(mass), shift)
         return MatrixPencil(stiffness, mass, shift)
     except la.LinAlgError:
         raise IndefiniteError(STIFF) from None

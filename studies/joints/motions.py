@@ -79,8 +79,10 @@ def stage_of(case: Case, like: Matrices | None = None) -> Matrices:
     joints and loads."""
     if like is None:
         return cast(Matrices, build_stage(case))  # only superelements have joints
-    speed = case.march.speed.rad_per_s(like.reference_frequency)
-    return cast(Matrices, like.with_case(case)).at(speed)
+    stage = cast(Matrices, like.with_case(case))
+    if case.rotation.effects != "none":
+        return like.build(stage.case, like)
+    return replace(stage, omega=case.march.speed.rad_per_s(like.reference_frequency))
 
 
 def _motion(stage: Matrices, problem: ContactProblem, start: JointMotion | None) -> JointMotion:

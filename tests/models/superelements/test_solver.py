@@ -14,6 +14,7 @@ from solid_meshes import SECTORS, bladed_sector, cantilever
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.cholesky import Cholesky
 from bladewhirl.models.superelements.cyclic import transformation
+from bladewhirl.models.superelements.dense_pencil import DensePencil
 from bladewhirl.models.superelements.reduction import massless, rigid_limit
 from bladewhirl.models.superelements.sector import CondensedWave, Sector, TiedWave, Wave
 from bladewhirl.models.superelements.solver import MatrixPencil
@@ -66,13 +67,26 @@ def test_matrices_that_are_not_positive_definite_are_refused() -> None:
     matrix = sp.diags_array([[1.0, 2.0, -1e-3]], offsets=[0])
     with pytest.raises(la.LinAlgError, match="not positive definite"):
         Cholesky.of(sp.csr_array(matrix))
-    with pytest.raises(SuperelementError, match=r"^mass: expected a positive definite matrix$"):
-        MatrixPencil(np.eye(3), np.diag([1.0, 2.0, -1.0])).lowest(2)
 
 
-def test_motions_without_mass_have_no_modes() -> None:
-    squares, _ = MatrixPencil(np.eye(3), np.diag([1.0, 2.0, 0.0])).lowest(3)
+@pytest.mark.parametrize("pencil", [MatrixPencil, DensePencil])
+def test_motions_without_mass_have_no_modes(pencil: type[MatrixPencil | DensePencil]) -> None:
+    squares, _ = pencil(np.eye(3), np.diag([1.0, 2.0, 0.0])).lowest(3)
     assert squares == pytest.approx([0.5, 1.0])
+    with pytest.raises(SuperelementError, match=r"^mass: expected a positive definite matrix$"):
+        pencil(np.eye(3), np.diag([1.0, 2.0, -1.0])).lowest(2)
+
+
+def test_dense_matrices_have_the_modes_and_static_displacements_of_sparse_ones() -> None:
+    chain = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(60, 60)).toarray()
+    chain[0, 0] = chain[-1, -1] = 1.0  # one rigid mode
+    mass, loads = np.diag(np.linspace(1.0, 2.0, 60)), np.eye(60)[:, :2]
+    one, other = (pencil(chain, mass, 1e-6) for pencil in (MatrixPencil, DensePencil))
+    squares, shapes = other.lowest(12)
+    assert squares == pytest.approx(one.lowest(12)[0], rel=1e-8, abs=1e-12)
+    assert shapes.T @ mass @ shapes == pytest.approx(np.eye(12), abs=1e-10)
+    moved = one.static(loads, one.lowest(12)[1])
+    assert other.static(loads, shapes) == pytest.approx(moved, abs=1e-8 * abs(moved).max())
 
 
 @pytest.mark.parametrize("count", [1, 12, 60])
