@@ -13,6 +13,7 @@ BENCHMARKS = ROOT / "benchmarks"
 @pytest.mark.parametrize(
     ("script", "arguments", "words"),
     [
+        ("joints.py", ["--points", "2"], ["100 N", "30 N"]),
         ("march.py", ["--repeat", "1"], ["no contact", "few contacts", "NumPy"]),
         ("shaft_line.py", ["--repeat", "1"], ["fan on the line", "ready after", "301"]),
         (
