@@ -402,9 +402,15 @@ class Matrices(Stage):
         return self.case.bladed_disk.mistuning.is_given(self.table.copies)
 
     def _contact_nodes(self) -> Iterator[dict[str, Any]]:
-        """Yield place and flexibility of each contact node of a copy; of all copies if they
-        differ."""
+        """Yield place and flexibility of each contact node of a copy, and the joint of which it is
+        an end; of all copies if they differ."""
         part, residual = self.part, np.diag(self.reduced.compliance)
+        own = {
+            int(node): joint.name
+            for joint in self.case.joint
+            for node in np.concatenate(self.table.joint_nodes(joint))
+        }
+        of_blade = part.contacts // len(np.unique(self.blade))
         radial, _ = self.static_response()
         locking = self.locking_friction()
         equal = 1 if self._differ else self.table.copies // self.copies
@@ -417,6 +423,7 @@ class Matrices(Stage):
                 "flexibility": float(radial[node]) if radial.size else None,
                 "residual": float(residual[3 * node]),
                 "locking_friction": locking.get(node),
+                "joint": own.get(node % of_blade),
             }
 
     @property

@@ -1,6 +1,7 @@
 """Card of a run on one page: what an engineer needs to judge a rub."""
 
 import textwrap
+import tomllib
 
 import numpy as np
 import xarray as xr
@@ -10,6 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
+from bladewhirl.models.case.applied_orders import applied_orders
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.shaft import Rotation
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.energy.regimes import classify, regime_title
@@ -105,6 +109,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             shown_time=float(result["time"][record]),
             loss_time=loss.time if loss else np.inf,
             joints=int(has(result, "joints")),
+            applied_orders=np.array(_applied_orders(result), dtype=np.int64),
             lost_blades=loss.blades if loss else np.zeros(0, dtype=np.int64),
         )
     )
@@ -176,14 +181,18 @@ def verdict(data: xr.Dataset) -> str:
         parts.append(f"up to {handy(float(data['wear'].max()), 'm', 3)} of the coating are removed")
     near = nearest_order(data)
     if near is not None and near[2] < NEAR:
-        parts.append(f"engine order {near[0]} is {100 * near[2]:.2g} % from {near[1]:.4g} Hz")
+        order = f"order {near[0]}"
+        if near[0] not in data.attrs["applied_orders"]:
+            order += ", which neither a load nor the wall has,"
+        parts.append(f"engine {order} is {100 * near[2]:.2g} % from {near[1]:.4g} Hz")
     return f"{regime[:1].upper()}{regime[1:]}: {'; '.join(parts)}."
 
 
 def nearest_order(data: xr.Dataset) -> tuple[int, float, float] | None:
     """Return the engine order of the Campbell diagram that is nearest to the natural frequency of a
     mode with its nodal diameter, this frequency [Hz], and their relative difference; None at
-    standstill, or if no order excites a mode."""
+    standstill, or if no order excites a mode. Orders of the loads and of the wall that are `NEAR` a
+    frequency come before all others."""
     turns, top = _reach(data)
     frequency = data["mode_frequency"].values
     shown = (frequency > 0.0) & (frequency <= top)
@@ -195,10 +204,21 @@ def nearest_order(data: xr.Dataset) -> tuple[int, float, float] | None:
         shares[:, aliased(orders, data.attrs["blades"])] > EXCITED * shares.max(axis=1)[:, None]
     )
     apart = np.where(excited.T, np.abs(orders[:, None] * turns / frequency - 1.0), np.inf)
+    applied = np.isin(orders, data.attrs["applied_orders"])
+    if apart[applied].min(initial=np.inf) < NEAR:
+        apart[~applied] = np.inf
     order, mode = np.unravel_index(apart.argmin(), apart.shape)
     if np.isinf(apart[order, mode]):
         return None
     return int(orders[order]), float(frequency[mode]), float(apart[order, mode])
+
+
+def _applied_orders(result: xr.Dataset) -> list[int]:
+    """Return the orders of the loads and of the wall of a run."""
+    given = tomllib.loads(result.attrs["case"]).get("excitation", [])
+    rows = given if isinstance(given, list) else [given]
+    loads = [EngineOrder(**row) for row in rows if row.get("type") == "engine-order"]
+    return [*applied_orders(table_of_result(result, "casing", Casing), loads)]
 
 
 def _reach(data: xr.Dataset) -> tuple[float, float]:

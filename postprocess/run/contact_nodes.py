@@ -12,7 +12,7 @@ from bladewhirl.models.stage.coating import track_edges
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.netcdf import need
+from bladewhirl.postprocess.fields.netcdf import has, need
 from bladewhirl.postprocess.fields.nodes import DIRECTIONS, ring_displacement
 from bladewhirl.postprocess.fields.wheels import of_wheel, wheel_numbers
 from bladewhirl.postprocess.plotting.axes import draw_map
@@ -46,9 +46,13 @@ def contact_nodes(result: xr.Dataset) -> xr.Dataset:
 
     Returns:
         Dataset over (time, contact_node): `force` and `friction` [N], means of the normal and the
-        tangential force since the last record; `share` [1]. `impulse` [N s] over (contact_node) is
-        the sum of the normal impulses.
+        tangential force of the wall since the last record; `share` [1]. `impulse` [N s] over
+        (contact_node) is the sum of the normal impulses. Ends of joints are left out, unless there
+        are no other nodes.
     """
+    if has(result, "joints"):
+        tips = np.setdiff1d(np.arange(result.sizes["contact_node"]), result["joint_end"])
+        result = result.isel(contact_node=tips) if len(tips) else result
     spacing = np.diff(result["time"].values, prepend=-np.inf)[:, None]
     steps = spacing / float(result.attrs["time_step"])
     over = ("time", "contact_node")

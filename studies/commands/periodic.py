@@ -59,7 +59,8 @@ def periodic(
     stuck, and the value with the smallest one.
 
     With one speed the folder also has a turn of the motion as a run, result.nc, of which
-    bladewhirl render, export and plot make films, series for ParaView and figures.
+    bladewhirl render, export and plot make films, series for ParaView and figures; not where the
+    motion is that of all blades of a tuned wheel, of which bladewhirl run makes such a record.
 
     With --over the motion is followed over a key of the case through folds, at which marches jump.
     The table lists folds, period doublings and Neimark-Sacker bifurcations (quasi-periodic

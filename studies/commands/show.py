@@ -88,6 +88,7 @@ NODES = (
     Column("residual", "residual [m/N]", ".3g"),
     Column("locking_friction", "locks above μ", ".3g"),
 )
+JOINT_NODES = (NODES[0], Column("joint", "joint"), *NODES[1:-1])
 LISTS = {"bladed_disk": "Bladed disk", "casing": "Casing"}
 """Titles of the lists of modes by key."""
 
@@ -179,6 +180,11 @@ def _tables(derived: dict[str, Any]) -> list[Table]:
             tables.append(table(rows, MODES, f"{title}, full model"))
     if nodes := derived.get("contact_nodes"):
         equal = derived["copies"] > 1 and not derived["copies_differ"]
-        title = "Contact nodes" + " of a copy" * equal
-        tables.append(table(nodes, NODES, title))
+        of_copy = " of a copy" * equal
+        tips = [node for node in nodes if node["joint"] is None]
+        ends = [node for node in nodes if node["joint"] is not None]
+        if tips:
+            tables.append(table(tips, NODES, f"Contact nodes{of_copy}"))
+        if ends:
+            tables.append(table(ends, JOINT_NODES, f"Ends of joints{of_copy}"))
     return tables

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.files import claim_file
+from bladewhirl.models.case.applied_orders import applied_orders
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.units import speed_of
 from bladewhirl.models.modal.labels import LabelledModes, names_of
@@ -21,7 +22,7 @@ from bladewhirl.studies.modal.campbell_at_speed import (
     refuse_unequal_bearings,
 )
 from bladewhirl.studies.modal.resonances import COLUMNS as RESONANCES
-from bladewhirl.studies.modal.resonances import orders_of_case, resonances
+from bladewhirl.studies.modal.resonances import resonances
 from bladewhirl.studies.modal.speeds_to_avoid import COLUMNS as AVOID
 from bladewhirl.studies.modal.speeds_to_avoid import NEAR, speeds_to_avoid
 from bladewhirl.studies.modal.study import Figures, Study
@@ -33,6 +34,12 @@ Interval = tuple[float | str, float | str]
 WIDEST = 3.0
 """Upper end of the diagrams by default, as a multiple of the reference frequency; that of the speed
 of the case if this is lower."""
+
+OPEN_JOINTS = (
+    "the blades of this diagram do not touch each other: joints that are closed without friction or"
+    " stuck have other resonances, which bladewhirl response lists"
+)
+"""Hint for a case with joints."""
 
 CASING_FAMILIES = ("rigid", "1F", "2F")  #: families of the casing: rigid motion, bending, extension
 
@@ -164,7 +171,8 @@ def campbell(
             "case_speed": stage.speed / reference,
             "speeds": shown,
             "blades": stage.case.bladed_disk.count,
-            "hints": "; ".join(stage.disk.hints),
+            "hints": "; ".join([*stage.disk.hints, *([OPEN_JOINTS] if stage.case.joint else [])]),
+            "open_joints": int(bool(stage.case.joint)),
             "operating_range": operated,
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
@@ -184,7 +192,8 @@ def _excited(
     Raises:
         UserError: blades differ, and orders were given.
     """
-    sources = orders_of_case(stage.case) | dict.fromkeys(orders, "given")
+    own = applied_orders(stage.case.casing, stage.case.excitations.values())
+    sources = own | dict.fromkeys(orders, "given")
     if not sources:
         return None
     try:
@@ -304,6 +313,7 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         low, high = (60.0 * diagram.attrs["reference_frequency_hz"] * each for each in operated)
         avoided = document["speeds_to_avoid"] = speeds_to_avoid(document, (low, high))
         near = f"to {NEAR:.0%} from the operating range"
+        near = f"with open joints, {near}" if diagram.attrs["open_joints"] else near
         title = f"Speeds to avoid, {near}"
         tables.append(table(avoided, AVOID, title) if avoided else f"No speeds to avoid, {near}.")
     if page is not None:

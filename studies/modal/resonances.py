@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.modal.modal_model import ModalModel
 from bladewhirl.models.modal.touching import held
 from bladewhirl.models.structure.waves import Waves
@@ -31,20 +29,6 @@ COLUMNS = (
     Column("margin", "margin [%]", ".1f", 100.0),
 )
 """Columns of resonances; the last only with an operating range."""
-
-
-def orders_of_case(case: Case) -> dict[int, str]:
-    """Return the orders of the wall and of the excitations of a case with their sources."""
-    casing, found = case.casing, dict[int, list[str]]()
-    closure = () if casing.closure is None else casing.closure.lobes
-    for lobe in (*casing.clearance_profile.lobes, *closure):
-        if lobe.amplitude:
-            found.setdefault(lobe.lobes, []).append("wall")
-    for load in case.excitations.values():
-        if isinstance(load, EngineOrder):
-            for order in load.order:
-                found.setdefault(order, []).append("engine order")
-    return {order: ", ".join(dict.fromkeys(found[order])) for order in sorted(found) if order}
 
 
 def met_wave(order: int, blades: int) -> tuple[int, int]:

@@ -126,12 +126,29 @@ def test_each_order_excites_separate_blades() -> None:
             "mode_frequency": ("mode", [248.0]),
             "diameter_share": (("mode", "nodal_diameter"), shares),
         },
-        attrs={"speed": 2.0 * np.pi * 83.0, "blades": 24},
+        attrs={"speed": 2.0 * np.pi * 83.0, "blades": 24, "applied_orders": np.array([4])},
     )
     near = nearest_order(data)
     assert near is not None
     assert near[:2] == (3, 248.0)
     assert near[2] == pytest.approx(249.0 / 248.0 - 1.0)
+
+
+def test_applied_orders_come_first() -> None:
+    """Order 4 is nearer to a mode than order 3, which a load has."""
+    data = xr.Dataset(
+        {
+            "mode_frequency": ("mode", [248.0, 332.0]),
+            "diameter_share": (("mode", "nodal_diameter"), np.full((2, 13), 1.0 / 12.0)),
+        },
+        attrs={"speed": 2.0 * np.pi * 83.0, "blades": 24, "applied_orders": np.array([3, 9])},
+    )
+    near = nearest_order(data)
+    assert near is not None
+    assert near[0] == 3
+    near = nearest_order(data.assign_attrs(applied_orders=np.array([9])))
+    assert near is not None
+    assert near[0] == 4
 
 
 def test_lost_blades_are_crossed_out_on_the_clock() -> None:

@@ -303,3 +303,16 @@ def test_response_has_the_linear_limits_beside_each_other(tmp_path: Path) -> Non
     assert stuck["rpm"] > free["rpm"] > closed["rpm"]
     assert "stuck" in answer("response", file, *over, "-o", folder).stdout
     assert (folder / "response.png").exists()
+
+
+def test_show_and_campbell_tell_joints_from_tips(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(case(tmp_path, preload="3 N")), encoding="utf-8")
+    nodes = json.loads(answer("show", file, "--json").stdout)["derived"]["contact_nodes"]
+    assert [node["joint"] for node in nodes] == ["shroud", "shroud", None]
+    shown = answer("show", file).stdout
+    assert shown.index("Contact nodes of a copy") < shown.index("Ends of joints of a copy")
+    words = ("--operating", "1 rpm:2 rpm", "-o", tmp_path / "found")
+    printed = answer("campbell", file, *words)
+    assert "No speeds to avoid, with open joints, to 20%" in printed.stdout
+    assert "joints that are closed without friction or stuck" in printed.stderr

@@ -10,10 +10,11 @@ from command_line import answer
 from exported_stages import BLADES, beams, exported
 
 import bladewhirl as bw
+from bladewhirl.models.case.applied_orders import applied_orders
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build_beams import build_beams
 from bladewhirl.models.stage.modal import modal_model
-from bladewhirl.studies.modal.resonances import margin, met_wave, orders_of_case
+from bladewhirl.studies.modal.resonances import margin, met_wave
 
 CURVED = {
     "bladed_disk": {
@@ -93,7 +94,10 @@ def test_margins() -> None:
 def test_orders_of_the_case() -> None:
     lobes = {"casing.clearance_lobes": [{"lobes": 2, "amplitude": "0.1 mm"}]}
     case = bw.with_values(curved(), lobes)
-    assert orders_of_case(case) == {2: "wall, engine order", 4: "engine order"}
+    assert applied_orders(case.casing, case.excitations.values()) == {
+        2: "wall, engine order",
+        4: "engine order",
+    }
 
 
 def test_unequal_blades_have_no_bands() -> None:
