@@ -10,6 +10,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.plausibility import linear_hints
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.labels import LabelledModes
@@ -118,4 +119,4 @@ class ModalDisk(ABC):
     @property
     def hints(self) -> tuple[str, ...]:
         """Warnings about what the modes leave out, one line each."""
-        return ()
+        return tuple(linear_hints(self.case))

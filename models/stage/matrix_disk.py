@@ -12,7 +12,6 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_at
-from bladewhirl.models.case.plausibility import linear_hints
 from bladewhirl.models.case.superelement import SOURCE, SuperelementTable
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.modal.labels import (
@@ -252,7 +251,7 @@ class MatrixDisk(ModalDisk):
 
     @property
     def hints(self) -> tuple[str, ...]:
-        hints = tuple(linear_hints(self.case))
+        hints = super().hints
         if self._table.part.stiffness_speed is None:
             hints += (
                 "the stiffness of the superelement is the same at every speed: its file has no"

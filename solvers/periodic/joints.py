@@ -310,8 +310,9 @@ class JointMotion:
         found = self.harmonics[order // self.grid.order]
         return np.asarray(found if self.grid.wheel.speed > 0.0 else found.conj())
 
+    @cached_property
     def of_points(self) -> FloatArray:
-        """Return the displacements of `JointedWheel.points` [m], (instants, points, 3)."""
+        """Displacements of `JointedWheel.points` [m], (instants, points, 3)."""
         grid = self.grid
         orders = (grid.number * grid.order).tolist()
         moved = np.stack([grid.wheel.at_points(each, self.of_order(each)) for each in orders])

@@ -131,14 +131,14 @@ def check(stage: Stage, problem: ContactProblem) -> None:
 
 def reaches(problem: ContactProblem, motion: JointMotion) -> bool:
     """Return whether the tips of a motion without a wall can be beyond it."""
-    tips = motion.of_points()[:, len(motion.grid.wheel.loaded) :, 0]
+    tips = motion.of_points[:, len(motion.grid.wheel.loaded) :, 0]
     nearest = problem.clearance(NEVER)[:, 0].min() + problem.rotor.tip_recess.min()
     return bool(tips.size and tips.max() > nearest)
 
 
 def beyond(problem: ContactProblem, motion: JointMotion) -> str:
     """Return why the displacements of a motion are too large; empty if they are not."""
-    largest = float(np.abs(motion.of_points()).max(initial=0.0))
+    largest = float(np.abs(motion.of_points).max(initial=0.0))
     if largest <= problem.displacement_limit:
         return ""
     return (

@@ -35,12 +35,6 @@ WIDEST = 3.0
 """Upper end of the diagrams by default, as a multiple of the reference frequency; that of the speed
 of the case if this is lower."""
 
-OPEN_JOINTS = (
-    "the blades of this diagram do not touch each other: joints that are closed without friction or"
-    " stuck have other resonances, which bladewhirl response lists"
-)
-"""Hint for a case with joints."""
-
 CASING_FAMILIES = ("rigid", "1F", "2F")  #: families of the casing: rigid motion, bending, extension
 
 
@@ -171,8 +165,8 @@ def campbell(
             "case_speed": stage.speed / reference,
             "speeds": shown,
             "blades": stage.case.bladed_disk.count,
-            "hints": "; ".join([*stage.disk.hints, *([OPEN_JOINTS] if stage.case.joint else [])]),
-            "open_joints": int(bool(stage.case.joint)),
+            "hints": "; ".join(stage.disk.hints),
+            "without_joints": int(bool(stage.case.joint)),
             "operating_range": operated,
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
@@ -313,7 +307,7 @@ def report(diagram: xr.Dataset, *, page: Path | None = None, overwrite: bool = F
         low, high = (60.0 * diagram.attrs["reference_frequency_hz"] * each for each in operated)
         avoided = document["speeds_to_avoid"] = speeds_to_avoid(document, (low, high))
         near = f"to {NEAR:.0%} from the operating range"
-        near = f"with open joints, {near}" if diagram.attrs["open_joints"] else near
+        near = f"for blades without joints, {near}" if diagram.attrs["without_joints"] else near
         title = f"Speeds to avoid, {near}"
         tables.append(table(avoided, AVOID, title) if avoided else f"No speeds to avoid, {near}.")
     if page is not None:

@@ -65,7 +65,7 @@ def dry_friction(point: str) -> Pair:
     elastic = 1.0 / (1.0 - r**2)
     rubbed = np.sin(np.pi / r) / (r * (1.0 + np.cos(np.pi / r)))
     exact = float(np.sqrt(elastic**2 - (f * rubbed) ** 2))
-    found = joint_motion(oscillator(r, f, STIFF)).of_points()
+    found = joint_motion(oscillator(r, f, STIFF)).of_points
     return exact, float(np.abs(found[:, 0, 1]).max())
 
 

@@ -241,6 +241,6 @@ def test_a_wheel_in_one_piece_has_the_motion_of_its_blades(tmp_path: Path) -> No
     )
     one, other = joint_motion(blades), joint_motion(wheel)
     assert other.parts == pytest.approx(one.parts, rel=1e-6, abs=1e-6 * np.abs(one.parts).max())
-    assert other.of_points() == pytest.approx(one.of_points(), rel=1e-6, abs=1e-9)
+    assert other.of_points == pytest.approx(one.of_points, rel=1e-6, abs=1e-9)
     largest = [np.abs(multipliers(each)[:6]) for each in (one, other)]
     assert largest[1] == pytest.approx(largest[0], rel=1e-6)

@@ -314,5 +314,5 @@ def test_show_and_campbell_tell_joints_from_tips(tmp_path: Path) -> None:
     assert shown.index("Contact nodes of a copy") < shown.index("Ends of joints of a copy")
     words = ("--operating", "1 rpm:2 rpm", "-o", tmp_path / "found")
     printed = answer("campbell", file, *words)
-    assert "No speeds to avoid, with open joints, to 20%" in printed.stdout
-    assert "joints that are closed without friction or stuck" in printed.stderr
+    assert "No speeds to avoid, for blades without joints, to 20%" in printed.stdout
+    assert "modes are those of blades without joints" in printed.stderr
