@@ -18,6 +18,7 @@ keep their static force, which is not unique, see `joints`: deviations of it, wi
 one, are left out.
 """
 
+from collections.abc import Iterator
 from functools import cached_property
 from math import gcd
 from typing import Any
@@ -38,6 +39,9 @@ NEUTRAL = 5e-3
 """Growth up to which a motion is stable: static forces of nodes that hardly slip neither grow nor
 decay."""
 FAST = 0.5 * np.pi  #: largest angle of a mode in a step [rad]
+ENTRIES, THIN = 1_000_000, 0.06
+"""Entries of matrices of several steps that are in memory at a time, and the share of entries that
+are not zero below which a matrix is a sparse one."""
 DOUBLINGS, VECTORS, RESTARTS = 4, 40, 4
 """Number of times that the matrix of a passage is squared for its largest eigenvalue, and the
 numbers of vectors and of restarts of Arnoldi's method, without which all eigenvalues are computed.
@@ -102,49 +106,39 @@ class Deviations:
         joined = wave.joined(self.wheel.values)
         joints, nodes = joined.shape
         copies = len(self.wheel.stiffness) // self.groups
-        within = np.kron(static + place @ push, np.eye(copies))
-        answers = self._answers(joined, joined @ within @ joined.conj().T)
+        within = joined @ np.kron(static + place @ push, np.eye(copies)) @ joined.conj().T
+        step, joined, spread = map(_thinned, (carried, joined, joined.conj().T))
         size = copies * len(carried)
         columns = size + joints
         state = np.eye(size, columns, dtype=joined.dtype).reshape(len(carried), copies, columns)
-        values = np.eye(nodes + joints, columns, size - nodes, dtype=joined.dtype)
-        step = carried if 2 * np.count_nonzero(carried) > carried.size else sp.csr_array(carried)
-        for answer in answers:
+        moved = np.eye(joints, columns, size, dtype=joined.dtype)
+        for answer in self._answers(within):
             state = _times(step, state)
-            values[:nodes] = _times(place, state).reshape(nodes, columns)
-            values = answer @ values
-            state += _times(push, values[:nodes].reshape(push.shape[1], copies, columns))
-        both = state, values[nodes:].reshape(-1, self.blades, columns)
+            free = joined @ _times(place, state).reshape(nodes, columns)
+            force = answer @ np.vstack([free, moved])
+            moved = free + within @ force
+            state += _times(push, (spread @ force).reshape(push.shape[1], copies, columns))
+        both = state, moved.reshape(-1, self.blades, columns)
         return np.vstack([wave.turned(each, self.moved).reshape(-1, columns) for each in both])
 
-    def _answers(self, joined: Any, within: Any) -> Any:
-        """Return what follows at the ends of steps from the displacements of the nodes of the
-        blades without the forces in the step, and those of the joints before it.
-
-        Args:
-            joined: see `_Wave.joined`.
-            within: displacements of the joints by the forces on them in a step.
-
-        Returns:
-            matrices to the forces on the nodes and the displacements of the joints, (steps, nodes +
-            joints, nodes + joints).
-        """
+    def _answers(self, within: Any) -> Iterator[Any]:
+        """Yield the matrices to the forces of the joints at the ends of steps from their
+        displacements without the forces in the step, and those before it, (joints, 2 * joints);
+        `within` has the displacements by forces in a step."""
         tangential = np.arange(self.wheel.values) % DIRECTIONS > 0
         turn = 2.0 * np.pi / self.instants
         scale = (self.grid.soft * np.where(tangential, turn, 1.0)).repeat(self.blades)
         before = tangential & ~self.held.repeat(DIRECTIONS)  # slips are changes of displacements
-        slope = self._slopes()
-        trial = np.eye(len(scale)) - slope + slope @ (within / scale[:, None])
-        now = -np.linalg.solve(trial, slope) / scale
-        last = -now * before.repeat(self.blades)
-        force, spread = np.concatenate([now @ joined, last], axis=2), joined.conj().T
-        alone = np.hstack([joined, np.zeros_like(within)])
-        return np.concatenate([spread @ force, alone + within @ force], axis=1)
+        unit, steps = np.eye(len(scale)), 1 + np.arange(self.instants // self.passages)
+        for part in np.array_split(steps, -(-len(steps) * len(scale) ** 2 // ENTRIES)):
+            slope = self._slopes(part)
+            trial = unit - slope + slope @ (within / scale[:, None])
+            now = -np.linalg.solve(trial, slope) / scale
+            yield from np.concatenate([now, -now * before.repeat(self.blades)], axis=2)
 
-    def _slopes(self) -> FloatArray:
+    def _slopes(self, steps: IntArray) -> FloatArray:
         """Return the derivatives of the law of the joints of a group at the ends of steps, (steps,
         joints, joints)."""
-        steps = 1 + np.arange(self.instants // self.passages)
         at = steps[:, None] + self.shift * np.arange(self.blades)
         every = self.slope[at % self.instants]  # (steps, blades, nodes, directions, directions)
         count, blades, nodes = every.shape[:3]
@@ -176,6 +170,11 @@ class _Wave:
         unit = np.eye(2 * values * self._blades)
         left, right = np.split(unit.reshape(2 * values, self._blades, -1), 2)
         return (self.turned(left, -1) + right).reshape(-1, len(unit))
+
+
+def _thinned(matrix: Any) -> Any:
+    """Return a matrix as a sparse one if few of its entries are not zero."""
+    return sp.csr_array(matrix) if np.count_nonzero(matrix) < THIN * matrix.size else matrix
 
 
 def _times(matrix: Any, values: Any) -> Any:
