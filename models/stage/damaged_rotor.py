@@ -32,6 +32,8 @@ from bladewhirl.models.superelements.superelement import (
     dense,
 )
 
+ROUNDING = 1e-6  #: relative difference of equal entries of matrices from two meshes
+
 FEW = 8  #: number of modes that are computed with the steady state
 
 
@@ -101,6 +103,11 @@ def damaged_rotor(
             f"the {first.size} coordinates of the whole wheel with its hub_dofs, got {damaged.size}"
         )
         raise SuperelementError(Fault(expected=expected))
+    for name in ("mass", "stiffness"):  # what is lost only takes from them
+        own, left = (getattr(part, name).diagonal() for part in (first, damaged))
+        if (left > (1.0 + ROUNDING) * own).any():
+            expected = f"the coordinates of the whole wheel in their order: some {name} is larger"
+            raise SuperelementError(Fault(expected=expected))
     needed = ("gyroscopic", "stiffness_speed", *first.LOADS)
     if missing := [name for name in needed if getattr(damaged, name) is None]:
         raise SuperelementError(Fault(expected=f"{' and '.join(missing)} of the damaged wheel"))

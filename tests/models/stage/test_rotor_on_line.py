@@ -308,6 +308,15 @@ def test_a_damaged_wheel_must_fit_the_case(folder: Path) -> None:
     loss["damaged"] = {"file": str(folder / "sector.npz")}
     with pytest.raises(CaseError, match=r"blade_loss.damaged.file = .*coordinates of the whole"):
         contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
+    order = np.arange(damaged().size).reshape(-1, 3)[:, ::-1].ravel()  # z, y, x in place of x, y, z
+    moved = {name: getattr(damaged(), name)[order][:, order] for name in ("mass", "stiffness")}
+    write_superelement(folder / "moved.npz", replace(damaged(), **moved))
+    loss |= {"damaged": {"file": str(folder / "moved.npz")}, "blade": 4}
+    with pytest.raises(CaseError, match=r"damaged.file = .*in their order: some"):
+        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
+    loss["damaged"] = {"file": str(folder / "damaged.npz")}
+    with pytest.raises(CaseError, match=r"superelement.file = .*: expected the file of the whole"):
+        contact_problem(stage_of(fan_case(folder, march, "sector", blade_loss=loss)))
 
 
 def test_a_wheel_pressed_into_a_cone_is_in_balance(folder: Path) -> None:
