@@ -12,8 +12,10 @@ vectors at once, 0.03 s each.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,6 +23,32 @@ from scipy.linalg import LinAlgError, get_blas_funcs, get_lapack_funcs
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.superelements.dissection import dissected
+
+KEPT_ORDERS = 4  #: number of patterns whose order is kept, for matrices at further speeds
+
+
+@dataclass(frozen=True, eq=False)
+class _Pattern:
+    """Pattern of a sparse matrix, as a key: patterns with equal arrays are equal."""
+
+    indptr: IntArray
+    indices: IntArray
+
+    def __hash__(self) -> int:
+        return crc32(self.indices.data)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Pattern) and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in vars(self)
+        )
+
+
+@lru_cache(maxsize=KEPT_ORDERS)
+def _sets(pattern: _Pattern) -> list[IntArray]:
+    """Return the sets of unknowns of matrices with a pattern in the order of their elimination."""
+    entries = np.ones(len(pattern.indices)), pattern.indices, pattern.indptr
+    size = len(pattern.indptr) - 1
+    return dissected(sp.csr_array(entries, shape=(size, size)))
 
 
 @dataclass(frozen=True)
@@ -36,7 +64,8 @@ class Elimination:
         eliminated, (l,)."""
         last = np.zeros(0, dtype=np.int64) if last is None else last
         inner = np.setdiff1d(np.arange(matrix.shape[0]), last)
-        sets = [inner[one] for one in dissected(_with_diagonal(matrix[inner][:, inner]))]
+        within = _with_diagonal(matrix[inner][:, inner])
+        sets = [inner[one] for one in _sets(_Pattern(within.indptr, within.indices))]
         ends = np.cumsum([0, *map(len, sets)])
         spans = [slice(int(a), int(b)) for a, b in pairwise(ends)]
         return cls(np.concatenate([*sets, last]), spans)
