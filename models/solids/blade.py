@@ -36,7 +36,7 @@ from bladewhirl.models.solids.rigid import free_bodies, free_displacements
 from bladewhirl.models.solids.sectors import find_sector
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
-from bladewhirl.models.solids.wheels import blade_by_blade, goes_round
+from bladewhirl.models.solids.wheels import blade_by_blade, goes_round, wheel_of_sector
 from bladewhirl.models.superelements.cyclic import transformation
 from bladewhirl.models.superelements.hub import (
     check_hub,
@@ -148,10 +148,11 @@ def mesh3d(
         blade: group, or a condition as for `clamped`, of the nodes of the blade of a sector, or of
             the blades of a wheel. Elements all of whose nodes belong to it are those whose Young's
             modulus the mistuning of a case changes (`blade_stiffness`).
-        lost: group, or a condition as for `clamped`, of the nodes of blades that a wheel in one
-            piece with a hub has lost. Elements all of whose nodes belong to it are left out; the
-            superelement has the coordinates of the whole wheel, of which those of lost nodes have
-            no mass and no stiffness, for `[blade_loss]` of a wheel on a shaft line.
+        lost: group, or a condition as for `clamped`, of the nodes of blades that a wheel with a
+            hub has lost, in one piece or of sectors; a group of a sector is that of the first one.
+            Elements all of whose nodes belong to it are left out; the superelement has the
+            coordinates of the whole wheel, of sectors one sector after another, of which those of
+            lost nodes have no mass and no stiffness, for `[blade_loss]` of a wheel on a shaft line.
         left, right: groups, or conditions as for `clamped`, of the clockwise and of the
             counter-clockwise face of a sector; their nodes match after a rotation by one pitch.
             Both or none are given; with `copies` alone, faces that match are found.
@@ -215,9 +216,15 @@ def mesh3d(
             raise invalid("speed", speed, "0 with hub: a shaft line needs stiffness_speed")
     every, remaining = volumes, np.arange(len(volumes.points))
     if lost is not None:
-        if hub is None or copies is not None:
-            raise invalid("lost", lost, "none without hub, or with copies: a wheel in one piece")
-        volumes, remaining = without_cells(volumes, group_nodes(volumes, "lost", lost, axis))
+        if hub is None:
+            raise invalid("lost", lost, "none without hub, which holds the wheel")
+        groups, cut = volumes.groups, _cut_faces(volumes, left, right, copies, axis)
+        if cut is not None:
+            volumes, numbers = wheel_of_sector(volumes, *cut)
+            groups = {name: numbers[0, nodes] for name, nodes in groups.items()}
+            left, right, copies = None, None, None
+        gone = group_nodes(replace(volumes, groups=groups), "lost", lost, axis)
+        every, (volumes, remaining) = volumes, without_cells(volumes, gone)
     key, group = ("clamped", clamped) if hub is None else ("hub", hub)
     fixed = np.zeros(0, int) if group is None else group_nodes(volumes, key, group, axis)
     tips = group_nodes(volumes, "contact", contact, axis)
@@ -375,6 +382,22 @@ def mesh3d(
     if omega == 0.0:
         return in_whole(part, number, size)
     return replace(part.at(omega), stiffness_speed=None, stiffness_speed4=None)
+
+
+def _cut_faces(
+    volumes: VolumeMesh, left: str | None, right: str | None, copies: int | None, axis: str
+) -> tuple[IntArray, IntArray, int] | None:
+    """Return the nodes of the cut faces of a sector in the same order, and the number of sectors;
+    None for a wheel in one piece, of which no copies are given."""
+    if copies is not None and left is None and right is None:
+        if (found := find_sector(volumes, copies)) is None:
+            raise invalid("copies", copies, "none with lost, or those of a sector")
+        return *matching_faces(volumes.points, found.left, found.right, copies), copies
+    if (sides := sector_faces(left, right, copies)) is None:
+        return None
+    faces = zip(("left", "right"), sides[:2], strict=True)
+    first, second = (group_nodes(volumes, key, name, axis) for key, name in faces)
+    return *matching_faces(volumes.points, first, second, sides[2]), sides[2]
 
 
 def _hub_position(tied: FloatArray, given: float | str | None) -> FloatArray:

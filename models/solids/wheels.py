@@ -1,9 +1,13 @@
-"""Wheels in one piece: how often a mesh repeats in a turn, and its contact nodes blade by blade."""
+"""Wheels in one piece: from a sector, how often a mesh repeats in a turn, and its contact nodes
+blade by blade."""
+
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from bladewhirl.meshes.coincident import COINCIDENT
+from bladewhirl.meshes.files.volumes import VolumeMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.solids.sectors import largest_gap
@@ -15,6 +19,51 @@ GAP = np.radians(45.0)
 def goes_round(points: FloatArray) -> bool:
     """Return whether points, (n, 3), are all around the axis z."""
     return bool(largest_gap(points) < GAP)
+
+
+def wheel_of_sector(
+    mesh: VolumeMesh, left: IntArray, right: IntArray, copies: int
+) -> tuple[VolumeMesh, IntArray]:
+    """Return the mesh of a whole wheel, and the numbers of the nodes of each sector in it, (copies,
+    nodes).
+
+    Its nodes are those of the sector without the right face, sector by sector, as the coordinates
+    of `superelements.wheel.whole_wheel`. Groups contain the nodes and cells of all sectors.
+
+    Args:
+        mesh: sector with the axis of rotation z.
+        left, right: nodes of its faces in the same order.
+        copies: number of sectors.
+    """
+    kept = np.setdiff1d(np.arange(len(mesh.points)), right)
+    place = np.empty(len(mesh.points), dtype=np.int64)
+    place[kept] = np.arange(len(kept))
+    place[right] = len(kept) + place[left]  # on the next sector
+    sector = np.arange(copies)[:, None]
+    numbers = (place + len(kept) * sector) % (copies * len(kept))
+    turned = [rotate(mesh.points[kept], 2.0 * np.pi / copies * s) for s in range(copies)]
+    counts = [len(cells) for _, cells in mesh.blocks]
+    start = np.repeat(np.cumsum([0, *counts[:-1]]), counts)
+    size, cell = np.repeat(counts, counts), np.arange(sum(counts))
+    cells_of = (copies - 1) * start + cell + size * sector  # block by block, then by sector
+    return replace(
+        mesh,
+        points=np.concatenate(turned),
+        blocks=tuple(
+            (element, numbers[:, cells].reshape(-1, cells.shape[1]))
+            for element, cells in mesh.blocks
+        ),
+        groups={
+            name: np.unique(numbers[:, nodes]).astype(np.int64)
+            for name, nodes in mesh.groups.items()
+        },
+        cell_groups={
+            name: cells_of[:, each].ravel().astype(np.int64)
+            for name, each in mesh.cell_groups.items()
+        },
+        rigid=tuple((text, own) for text, each in mesh.rigid for own in numbers[:, each]),
+        rows=np.zeros(0, dtype=np.int64),
+    ), numbers
 
 
 def equal_blades(points: FloatArray, contact: IntArray) -> int:

@@ -80,6 +80,7 @@ def damaged_rotor(
     whole: OnLine,
     wheels: tuple[Superelement, ...],
     damaged: Superelement,
+    sectors: int,
     omega: float,
     prepared: Callable[[OnLine], OnLine],
 ) -> DamagedRotor:
@@ -90,6 +91,8 @@ def damaged_rotor(
         whole: its whole rotor.
         wheels: its wheels.
         damaged: superelement of the first wheel after the loss, on the coordinates of the whole.
+        sectors: number of sectors of which the first wheel was assembled; 1 for a wheel in one
+            piece.
         omega: speed of the stage [rad/s].
         prepared: function by which the rotor at rest was changed.
 
@@ -103,6 +106,8 @@ def damaged_rotor(
             f"the {first.size} coordinates of the whole wheel with its hub_dofs, got {damaged.size}"
         )
         raise SuperelementError(Fault(expected=expected))
+    if sectors > 1:
+        damaged = in_sector_axes(damaged, first, sectors)
     for name in ("mass", "stiffness"):  # what is lost only takes from them
         own, left = (getattr(part, name).diagonal() for part in (first, damaged))
         if (left > (1.0 + ROUNDING) * own).any():
@@ -140,6 +145,22 @@ def damaged_rotor(
         steady=u,
         inertia=float(turned @ (rest.mass @ turned) + grown),
     )
+
+
+def in_sector_axes(damaged: Superelement, first: Superelement, sectors: int) -> Superelement:
+    """Return a wheel on the coordinates of one that was assembled of sectors: except at contact
+    nodes and hub, displacements of a node are in the axes of its sector, see `whole_wheel`."""
+    inner = damaged.size - HUB
+    node = np.setdiff1d(np.arange(inner), first.contact_dofs)
+    if inner % sectors or len(node) % 3:
+        expected = "displacements along x, y and z of each node, sector by sector, and of the hub"
+        raise SuperelementError(Fault(expected=expected))
+    x, y, _ = node.reshape(-1, 3).T
+    angle = 2.0 * np.pi / sectors * (x // (inner // sectors))
+    turn = sp.lil_array(sp.eye_array(damaged.size))
+    turn[x, x] = turn[y, y] = np.cos(angle)
+    turn[y, x], turn[x, y] = np.sin(angle), -np.sin(angle)
+    return replace(damaged, **damaged.projected(sp.csr_array(turn), (*first.FORMS, *first.LOADS)))
 
 
 def _steady(whole: OnLine, omega: float) -> FloatArray:

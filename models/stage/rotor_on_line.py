@@ -218,15 +218,10 @@ class RotorOnLine(StageOnLine, Matrices):
         case, loss, speed = self.case, self.case.blade_loss, self.speed
         assert loss is not None
         assert loss.damaged is not None
-        if self.table.kind == "sector":
-            expected = (
-                "the file of the whole wheel: the damaged one has its coordinates, in another order"
-                " and in other axes than those of a sector"
-            )
-            raise CaseError([case_fault(case, f"{SOURCE}.file", expected)])
+        sectors = self.table.copies if self.table.kind == "sector" else 1
         try:
             rest = damaged_rotor(
-                *(self.line, self.on_line, self.wheels, loss.damaged.with_hub, speed),
+                *(self.line, self.on_line, self.wheels, loss.damaged.with_hub, sectors, speed),
                 partial(_prepared, case, self.line),
             )
             release = rest.release(speed)

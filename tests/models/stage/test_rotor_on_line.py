@@ -19,8 +19,10 @@ from solid_meshes import fan_sector, whole
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case, case_from
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.shaft_line.rotor import wheel_with_hub
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage.build import build_stage, contact_problem
+from bladewhirl.models.stage.damaged_rotor import in_sector_axes
 from bladewhirl.models.stage.excitations import excitation_loads
 from bladewhirl.models.stage.modal_loads import Start
 from bladewhirl.models.stage.rotor_on_line import RotorOnLine
@@ -299,24 +301,54 @@ def test_the_loss_of_a_blade_is_that_of_the_unreduced_rotor(speed: float, folder
 
 def test_a_damaged_wheel_must_fit_the_case(folder: Path) -> None:
     march = {"speed": "900 rad/s", "time_step": 1e-6, "duration": 1e-3}
+    few = {"free_interface_modes": 12}
     loss: dict[str, Any] = {"blade": 3, "time": 1e-4}
     with pytest.raises(CaseError, match=r"blade_loss.damaged: expected the file of the damaged"):
         fan_case(folder, march, blade_loss=loss)
     loss["damaged"] = {"file": str(folder / "damaged.npz")}
     with pytest.raises(CaseError, match=r"blade_loss.blade = .*the damaged wheel lacks: 4"):
-        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
+        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss, reduction=few)))
     loss["damaged"] = {"file": str(folder / "sector.npz")}
     with pytest.raises(CaseError, match=r"blade_loss.damaged.file = .*coordinates of the whole"):
-        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
-    order = np.arange(damaged().size).reshape(-1, 3)[:, ::-1].ravel()  # z, y, x in place of x, y, z
-    moved = {name: getattr(damaged(), name)[order][:, order] for name in ("mass", "stiffness")}
-    write_superelement(folder / "moved.npz", replace(damaged(), **moved))
-    loss |= {"damaged": {"file": str(folder / "moved.npz")}, "blade": 4}
+        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss, reduction=few)))
+    loss["damaged"] = {"file": str(folder / "damaged.npz")}  # made from another mesh
     with pytest.raises(CaseError, match=r"damaged.file = .*in their order: some"):
-        contact_problem(stage_of(fan_case(folder, march, blade_loss=loss)))
-    loss["damaged"] = {"file": str(folder / "damaged.npz")}
-    with pytest.raises(CaseError, match=r"superelement.file = .*: expected the file of the whole"):
-        contact_problem(stage_of(fan_case(folder, march, "sector", blade_loss=loss)))
+        contact_problem(stage_of(fan_case(folder, march, "sector", blade_loss=loss, reduction=few)))
+
+
+def damaged_sector() -> Any:
+    """The wheel of sectors without the blade of the first one."""
+    faces: dict[str, Any] = {"left": "left", "right": "right", "copies": SECTORS}
+    return mesh3d(fan_sector(SECTORS), **STEEL, **faces, lost="r > 79.9 mm and -30 < angle < 30")
+
+
+def test_what_remains_of_a_wheel_of_sectors_has_its_matrices_away_from_the_loss() -> None:
+    whole_one = wheel_with_hub(fan_sector_part(), SECTORS)
+    rest = in_sector_axes(damaged_sector(), whole_one, SECTORS)
+    each = (whole_one.size - 6) // SECTORS
+    away = np.arange(2 * each, 4 * each)  # coordinates of two sectors that do not touch the first
+    for name in ("mass", "gyroscopic", "stiffness"):
+        own, left = (getattr(one, name).toarray()[away][:, away] for one in (whole_one, rest))
+        np.testing.assert_allclose(left, own, rtol=0, atol=1e-12 * np.abs(own).max())
+    np.testing.assert_array_equal(whole_one.hub_dofs, rest.hub_dofs)
+    assert (
+        rest.mass.diagonal()[whole_one.contact_dofs].any(axis=1).tolist()
+        == [False] * 2 + [True] * 8
+    )
+
+
+@pytest.mark.slow
+def test_the_loss_of_a_blade_of_a_sector_is_that_of_the_wheel_in_one_piece(folder: Path) -> None:
+    write_superelement(folder / "damaged_sector.npz", damaged_sector())
+    march = {"speed": "600 rad/s", "time_step": 5e-7, "duration": 6e-4}
+    found = []
+    for kind, name, blade in (("wheel", "damaged", 4), ("sector", "damaged_sector", 0)):
+        file = {"file": str(folder / f"{name}.npz")}
+        loss = {"blade": blade, "time": 2e-4, "damaged": file}
+        case = fan_case(folder, march, kind, blade_loss=loss, gravity={"start": "unbent"}, **MANY)
+        found.append(marched(stage_of(case), 5e-7, 6e-4).shaft_displacement)
+    one, other = found
+    assert np.abs(one - other).max() < 1e-8 * np.abs(one).max()
 
 
 def test_a_wheel_pressed_into_a_cone_is_in_balance(folder: Path) -> None:
