@@ -126,8 +126,13 @@ static const Matrix *nodal_field(const Casing *casing, const NodalField *field, 
                    f->nodal.at, f->nodal.columns);
         return &f->nodal;
     }
-    combine_rows(&field->shape, f->value.at, value);
-    combine_rows(&field->slope_shape, f->slope.at, slope);
+    for (int64_t wall = 0, width = field->shape.columns; wall + 1 < casing->first.size; wall++) {
+        int64_t first = casing->first.at[wall], rows = casing->first.at[wall + 1] - first;
+        Matrix own = {.at = field->shape.at + first * width, .rows = rows, .columns = width};
+        combine_rows(&own, f->value.at + first, value + wall * width);
+        own.at = field->slope_shape.at + first * width;
+        combine_rows(&own, f->slope.at + first, slope + wall * width);
+    }
     for (int64_t i = 0; i < start->columns; i += LANES) {
         store(value + i, add(load(value + i), load(start->at + i)));
         store(slope + i, add(load(slope + i), load(start->at + start->columns + i)));

@@ -175,15 +175,16 @@ typedef struct {
     Matrix slope_weight; /* (rows, columns) weights of the slopes */
     int64_t half;        /* offset from a column to the column of its sum, see `column_sums` */
     int64_t slope_half;  /* the same offset for slopes */
-    Matrix shape;        /* (sums, closed) value of each column at each node */
-    Matrix slope_shape;  /* (sums, closed) slope of each column at each node */
+    Matrix shape;        /* (sums, of_wall) value of each column at each node of its wall */
+    Matrix slope_shape;  /* (sums, of_wall) slope of each column at each node of its wall */
     Matrix spread;       /* (closed_nodes, columns) transpose of `shape` */
     Matrix slope_spread; /* (closed_nodes, columns) transpose of `slope_shape` */
     Matrix start;        /* (2, closed) nodal clearance and its slope for w, zero for u [m, 1] */
 } NodalField;
 
-/* The casing. It has one wall or several, each around some contact nodes: walls of equal number of
- * nodes follow each other in all arrays over nodes, each with its first node again. */
+/* The casing. It has one wall or several, each around some contact nodes. Walls of equal number of
+ * nodes follow each other in all arrays over nodes, each with its first node again, once or more
+ * often; a column moves one wall only. */
 typedef struct {
     Body body;
     NodalField radial;
@@ -191,6 +192,7 @@ typedef struct {
     Matrix fold;           /* (folded, quarter) shape on a quarter of the circle, see
                             * `fold_field`, or empty */
     int64_t half;          /* number of columns between partners */
+    IntVector first;       /* (walls_and_one) number of the first column of each wall, and of all */
     int64_t shared;        /* 1 if all nodal values have the same shape */
     Vector compliance;     /* (compliance) tables of blocks of 4 x 4, see `compliance.h` */
     int64_t spacing;       /* number of blocks of a table between consecutive elements */

@@ -9,6 +9,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair
 from bladewhirl.models.stage.modal_loads import Load
+from bladewhirl.models.stage.wall import ReducedCasing
 from bladewhirl.models.structure.dft import nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
 
@@ -222,6 +223,15 @@ def lengthened(values: FloatArray) -> FloatArray:
     out = aligned((*values.shape[:-1], padded(values.shape[-1])))
     out[..., : values.shape[-1]] = values
     return out
+
+
+def closed_nodes(casing: ReducedCasing) -> IntArray:
+    """Return the numbers of the nodes of each wall and of its first node again, (walls, closed);
+    of several walls as often as to fill whole registers."""
+    closed = casing.closed
+    width = closed.shape[1]
+    further = 0 if casing.walls == 1 else padded(width) - width
+    return np.pad(closed, ((0, 0), (0, further)), "edge")
 
 
 def by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:

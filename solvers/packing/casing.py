@@ -3,7 +3,7 @@ Arrays of its closure and of its coating."""
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.wall import ReducedCasing, WallClosure
 from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib
@@ -12,6 +12,7 @@ from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     Harmonics,
     by_column,
+    closed_nodes,
     dense_arrangement,
     folded,
     lengthened,
@@ -39,18 +40,21 @@ def pack_casing(
             opposite to the slip velocity.
     """
     (_, kinds, modes), moving = casing.nodal.shape, casing.is_flexible
-    closed = casing.closed.ravel()
+    of_walls = closed_nodes(casing)
+    closed = of_walls.ravel()
     if cyclic:
         arrangement, weight, shape = _cyclic_casing(casing)
         # All kinds of nodal values share one array, so that less memory is read.
         shapes = [by_column(shape[closed], arrangement)] * kinds
         spreads = [aligned_copy(shape[closed])] * kinds
+        first = np.array([0, len(shapes[0])])
     else:
         arrangement = dense_arrangement(modes)
         weight = np.ones((kinds, modes))
         wide = arrangement.pack(casing.nodal[closed].transpose(1, 0, 2))
-        shape = wide[0]
-        shapes, spreads = [by_column(w, arrangement) for w in wide], [*map(aligned_copy, wide)]
+        shape, (first, mover) = wide[0], _by_wall(casing)
+        rows = [w.reshape(*of_walls.shape, -1)[mover, :, np.arange(modes)] for w in wide]
+        shapes, spreads = [*map(lengthened, rows)], [*map(aligned_copy, wide)]
     clearance = lengthened(casing.clearance[closed].T)
     weights, half = [arrangement.grid(w) for w in weight], arrangement.half
     radial, tangential = (
@@ -58,15 +62,15 @@ def pack_casing(
             "NodalField",
             weight=weights[v],
             slope_weight=weights[s],
-            half=first,
-            slope_half=half - first,
+            half=values,
+            slope_half=half - values,
             shape=shapes[v],
             slope_shape=shapes[s],
             spread=spreads[v],
             slope_spread=spreads[s],
             start=start,
         )
-        for v, s, first, start in (
+        for v, s, values, start in (
             (lib.W_KIND, lib.W_SLOPE, 0, clearance),
             (lib.U_KIND, lib.U_SLOPE, half, aligned(clearance.shape)),
         )
@@ -79,6 +83,7 @@ def pack_casing(
         tangential=tangential,
         fold=folded(shape, arrangement),
         half=half,
+        first=first,
         shared=cyclic,
         compliance=aligned_copy(tables.reshape(-1)),
         spacing=1 if cyclic else len(closed) if moving else 0,
@@ -86,6 +91,14 @@ def pack_casing(
         nodes=casing.elements,
         element_length=casing.element_length,
     )
+
+
+def _by_wall(casing: ReducedCasing) -> tuple[IntArray, IntArray]:
+    """Return the number of the first mode of each wall, and of all modes, (walls + 1,); and the
+    wall that each mode moves, (modes,). Modes that move none, of supports, count to the last."""
+    size = np.abs(casing.nodal).max(axis=1).reshape(casing.walls, casing.elements, -1).max(axis=1)
+    mover = np.where(size.any(axis=0), size.argmax(axis=0), casing.walls - 1)
+    return np.searchsorted(mover, np.arange(casing.walls + 1)), mover
 
 
 def pack_closure(closure: WallClosure | None) -> Struct | None:
@@ -170,7 +183,7 @@ def _compliance(
     rows = casing.nodal.reshape(nodes * kinds, modes)
     forces = rows * scheme_inverse(casing.frequency, casing.damping_ratio, dt)
     response = (forces @ rows.T).reshape(nodes, 2, 2, nodes, 2, 2)  # node, w or u, value or slope
-    closed = casing.closed.ravel()  # no element begins at the last node of a wall
+    closed = closed_nodes(casing).ravel()  # no element begins at the last nodes of a wall
     ends = np.column_stack([closed, np.roll(closed, -1)])
     ends = ends[:nodes] if cyclic else ends
     pairs = response[ends[:1] if cyclic else ends][:, :, :, :, ends]

@@ -15,6 +15,7 @@ from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     Harmonics,
     by_column,
+    closed_nodes,
     folded,
     lengthened,
     pack_body,
@@ -190,7 +191,7 @@ def _body(problem: ContactProblem, arrangement: Arrangement, dt: float) -> Struc
 def _places(problem: ContactProblem) -> Arrays:
     rotor, elements = problem.rotor, problem.casing.elements
     return {
-        "wall": (elements + 1) * rotor.wall,
+        "wall": closed_nodes(problem.casing).shape[1] * rotor.wall,
         "position": lengthened(rotor.tip_angle * elements / (2.0 * np.pi)),
         "radius": lengthened(np.tile(rotor.contact_radius, rotor.copies)),
         "recess": lengthened(problem.metal_recess),
