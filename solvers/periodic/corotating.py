@@ -76,7 +76,9 @@ def obstacles(problem: ContactProblem) -> Iterable[str]:
     if not len(problem.rotor.tip_angle):
         yield "there are no blades"
     clearance = problem.clearance(NEVER)[:, 0]
-    if np.ptp(clearance) > ROUND * np.abs(clearance).max():
+    if problem.casing.walls > 1:
+        yield "several wheels have a flexible ring each"
+    elif np.ptp(clearance) > ROUND * np.abs(clearance).max():
         yield "the clearance is not round"
     fixed = (
         np.any(each.casing) or (each.frequency and np.any(each.rotor)) for each in problem.loads
@@ -90,7 +92,7 @@ def obstacles(problem: ContactProblem) -> Iterable[str]:
     if problem.bearings is not None and not problem.bearings.equal:
         yield "bearings or supports are not the same in all directions"
     wall = problem.casing.wall
-    if wall.is_flexible and (np.any(wall.column < 0) or len(wall.dampers)):
+    if wall.walls == 1 and wall.is_flexible and (np.any(wall.column < 0) or len(wall.dampers)):
         yield "the casing is not uniform"
     if problem.coating is not None or problem.tip_rotation or problem.foreshortening is not None:
         yield "coating, contact.tip_rotation and contact.foreshortening are not included"
