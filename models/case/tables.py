@@ -104,6 +104,12 @@ class Tables(ReplacedKeys):
         return self.bladed_disk.count
 
     @property
+    def blades_at_walls(self) -> int:
+        """Number of blades that can touch a wall, on a shaft line those of all wheels."""
+        further = () if self.shaft_line is None else self.shaft_line.walls.values()
+        return self.blades + sum(wheel.superelement.copies for wheel in further)
+
+    @property
     def tip_radius(self) -> float:
         """Tip radius from which the clearance is measured [m]."""
         if self.sketch is not None:

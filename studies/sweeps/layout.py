@@ -55,7 +55,7 @@ def march_extent(cases: Iterable[Case]) -> Extent:
         extent.record_step = max(extent.record_step, march.record_step)
         extent.steps += march.steps
         extent.most_steps = max(extent.most_steps, march.steps)
-        extent.histories[case.blades, march.timing] += 1
+        extent.histories[case.blades_at_walls, march.timing] += 1
     return extent
 
 
