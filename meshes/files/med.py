@@ -5,9 +5,12 @@ Groups of nodes and of elements keep their names. The files contain no materials
 
 from pathlib import Path
 
+import h5py
 import meshio
 
+from bladewhirl.files import check_regular
 from bladewhirl.meshes.files.abaqus_solids import SolidMesh
+from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import readable
 from bladewhirl.meshes.hdf5 import open_hdf5
 
@@ -21,6 +24,12 @@ def med_mesh(path: Path) -> SolidMesh:
     from meshlane import med  # long to load
 
     with readable(path, "meshlane"):
+        path.stat()  # an error if there is no file
+        check_regular(path)
+        if not h5py.is_hdf5(path):
+            raise MeshFileError(
+                "a .med file as Salome and Code_Aster export it: this one is no HDF5"
+            )
         open_hdf5(path, kinds="iuf").close()
         mesh = med.read(str(path))
         cells = [(block.type, block.data) for block in mesh.cells]

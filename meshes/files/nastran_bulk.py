@@ -196,6 +196,7 @@ def _unread(cards: Cards) -> list[str]:
     return [
         *([f"the integration of {integrated} PSOLID"] if integrated else []),
         *([f"the damping GE of {damped} MAT1"] if damped else []),
+        *(f"SET1 {row[0]} with {words[0]}" for row in cards["SET1"] if (words := _words(row[1:]))),
         *(f"PARAM {name}" for name in ("G", "ALPHA1", "ALPHA2") if values.get(name)),
     ]
 
@@ -236,13 +237,19 @@ def _node_sets(cards: Cards, text: str, nodes: list[int]) -> Iterator[tuple[str,
     """Yield name and nodes of each set; entries with one number are one set."""
     sets = defaultdict[str, list[int]](list)
     for number, *members in cards["SET1"]:
-        sets[f"SET {number}"] += _listed(members, nodes)
+        if not _words(members):
+            sets[f"SET {number}"] += _listed(members, nodes)
     for found in SET.finditer(text):
         words = found[2].replace(",", " ").replace("=", " ").upper().split()
         if all(word in ("THRU", "EXCEPT") or word.isdigit() for word in words):
             members = [int(word) if word.isdigit() else word for word in words]
             sets[f"SET {found[1]}"] += _listed(members, nodes)
     yield from sets.items()
+
+
+def _words(members: Sequence[Any]) -> list[str]:
+    """Return the words in a list of nodes other than THRU."""
+    return [one for one in members if isinstance(one, str) and one not in ("", "THRU")]
 
 
 def _listed(members: Sequence[Any], nodes: list[int]) -> list[int]:

@@ -234,6 +234,8 @@ def mesh3d(
         sides = sector_faces("", "", copies)
         if (sector := find_sector(volumes, copies)) is not None:
             first, second = sector.left, sector.right
+            if note := sector.partly(volumes.points):
+                warnings.warn(note, Hint, stacklevel=2)
         elif goes_round(volumes.points):
             sides, blades = None, blade_by_blade(volumes.points, tips, copies)
             if blades is None:

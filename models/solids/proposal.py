@@ -103,6 +103,7 @@ def _axis(mesh: VolumeMesh, notes: list[str]) -> tuple[str, Sector | None, bool]
             f"copies: cut faces, {number}, match after 1/{sector.copies} of a turn about {axis}"
             + " and meet on it: the nodes there have to be clamped" * sector.on_axis
         )
+        notes += filter(None, [sector.partly(placed[axis].points)])
         return axis, sector, False
     wheels = [axis for axis, one in placed.items() if _is_wheel(one)]
     if len(wheels) == 1:

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from bladewhirl.meshes.coincident import COINCIDENT
 from bladewhirl.meshes.files.volumes import VolumeMesh
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.solids.surface import surface_faces
 
@@ -16,6 +16,8 @@ SLOPE = 1e-3
 
 SHARE = 0.1
 """Faces that match by chance have a smaller share of the largest area that matches."""
+
+FLAT = 0.95  #: least cosine of the angle between faces of elements that continue each other
 
 OPEN = 0.75
 """Smallest share of a pitch that nodes of a sector leave free about the axis."""
@@ -32,11 +34,27 @@ class Sector(NamedTuple):
     copies: int  #: number of sectors of the wheel
     left: IntArray  #: nodes of the clockwise face, ascending
     right: IntArray  #: nodes of the counter-clockwise face, ascending
+    unmatched: IntArray  #: nodes that continue a face and match no node of the other one, ascending
 
     @property
     def on_axis(self) -> bool:
         """Whether both faces meet on the axis."""
         return len(np.intersect1d(self.left, self.right)) > 0
+
+    def partly(self, points: FloatArray) -> str:
+        """Return a sentence on nodes that do not match; "" if all do.
+
+        Args:
+            points: positions of the nodes about the axis z, (nodes, 3).
+        """
+        if not len(self.unmatched):
+            return ""
+        radius = np.hypot(*points[self.unmatched, :2].T)
+        return (
+            f"cut faces match in part: {len(self.unmatched)} nodes that continue them, at radii"
+            f" from {radius.min():.6g} to {radius.max():.6g}, are not where a node of the other"
+            f" face is after 1/{self.copies} of a turn and stay free: mesh both faces alike"
+        )
 
 
 def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
@@ -83,9 +101,31 @@ def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
     first, second = first[first >= 0], second[second >= 0]
     forward = rotate(mesh.points[first], 2.0 * np.pi / found)
     apart = cKDTree(mesh.points[second]).query(forward)[0].max()
-    sector = Sector(found, first, second)
+    pairs = number == found
+    matched = np.isin(np.arange(len(corners)), [left[pairs], right[pairs]])
+    beside = corners[_continuing(corners, normal, matched)]
+    unmatched = np.setdiff1d(beside[beside >= 0], np.concatenate([first, second]))
+    sector = Sector(found, first, second, unmatched)
     by_chance = copies is None and sector.on_axis and found <= FEW
     return sector if apart <= close and not by_chance else None
+
+
+def _continuing(corners: IntArray, normal: FloatArray, matched: BoolArray) -> BoolArray:
+    """Return which other faces of the surface continue matched ones without a bend, (faces,)."""
+    after = np.roll(corners, -1, axis=1)
+    triangle = corners[:, 3] < 0
+    after[triangle, 2] = corners[triangle, 0]
+    edges = np.sort(np.stack([corners, after], axis=-1).reshape(-1, 2), axis=1)
+    face = np.repeat(np.arange(len(corners)), corners.shape[1])
+    face, edges = face[edges[:, 0] >= 0], edges[edges[:, 0] >= 0]
+    order = np.lexsort(edges.T)
+    same = (np.diff(edges[order], axis=0) == 0).all(axis=1)
+    first, second = face[order][:-1][same], face[order][1:][same]
+    flat = np.einsum("fi,fi->f", normal[first], normal[second]) > FLAT
+    found = np.zeros(len(corners), dtype=np.bool_)
+    for one, other in ((first, second), (second, first)):
+        found[other[flat & matched[one] & ~matched[other]]] = True
+    return found
 
 
 def _centres(points: FloatArray, corners: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -122,3 +122,12 @@ def test_dimensions_are_found_without_functions_that_end_the_process(
     data, _ = open_file(tmp_path / "a.nc", "a.nc", "a result")
     with data:
         assert data["load"].dims == ("time",)
+
+
+def test_a_file_of_med_that_is_missing_or_no_hdf5_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "blade.med"
+    with pytest.raises(MeshFileError, match=r"a readable file \(No such file or directory\)"):
+        read_volume_mesh(path)
+    path.write_bytes(b"MED")
+    with pytest.raises(MeshFileError, match="as Salome and Code_Aster export it"):
+        read_volume_mesh(path)

@@ -289,6 +289,12 @@ def test_sets_and_materials_of_bulk_data(tmp_path: Path) -> None:
     assert dict(section.properties) == pytest.approx(expected)
 
 
+def test_a_set_of_other_things_than_nodes_is_named(tmp_path: Path) -> None:
+    volumes = bulk_data(tmp_path, SOLID + "SET1,77,SKIN,1\n")
+    assert "SET1 77 with SKIN" in volumes.ignored
+    assert "SET 77" not in volumes.groups
+
+
 def test_what_connects_nodes_is_named(tmp_path: Path) -> None:
     volumes = bulk_data(tmp_path, SOLID + "RBE2,7,1,123,2,3\n")
     assert volumes.ignored == (

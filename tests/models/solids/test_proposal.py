@@ -77,6 +77,19 @@ def test_cut_faces_are_found(kind: str) -> None:
     for side, name in ((sector.left, "left"), (sector.right, "right")):
         assert side.tolist() == volumes.groups[name].tolist()
     assert find_sector(volumes, SECTORS + 1) is None
+    assert not len(sector.unmatched)
+
+
+def test_cut_faces_that_match_in_part_are_named(tmp_path: Path) -> None:
+    """They would be open where nodes do not match."""
+    mesh = bladed_sector("hexahedron")
+    moved = np.flatnonzero(np.isin(np.arange(len(mesh.points)), mesh.point_sets["right"]))
+    mesh.points[moved[np.hypot(*mesh.points[moved, :2].T).argmax()], 2] *= 0.9
+    path = deck(tmp_path, mesh, "C3D8")
+    expected = "cut faces match in part: . nodes that continue them, at radii from"
+    assert re.search(expected, " ".join(answer("mesh", path).stdout.split()))
+    with pytest.warns(Hint, match=expected):
+        bw.mesh3d(path, **STEEL, copies=SECTORS)
 
 
 @pytest.mark.parametrize("mesh", [cantilever("hexahedron20"), wheel(bladed_sector("tetra10"))])
