@@ -102,8 +102,8 @@ def find_sector(mesh: VolumeMesh, copies: int | None = None) -> Sector | None:
     forward = rotate(mesh.points[first], 2.0 * np.pi / found)
     apart = cKDTree(mesh.points[second]).query(forward)[0].max()
     pairs = number == found
-    matched = np.isin(np.arange(len(corners)), [left[pairs], right[pairs]])
-    beside = corners[_continuing(corners, normal, matched)]
+    cut = np.isin(np.arange(len(corners)), [left[pairs], right[pairs]])
+    beside = corners[_continuing(corners, normal, cut)]
     unmatched = np.setdiff1d(beside[beside >= 0], np.concatenate([first, second]))
     sector = Sector(found, first, second, unmatched)
     by_chance = copies is None and sector.on_axis and found <= FEW

@@ -11,7 +11,6 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
 from contact_cases import ledger_residual
-from long_cases import slow_except
 from plain_rotor import NU, RHO, SPIN, E, Shaft, rotor
 from scipy.integrate import solve_ivp
 from solid_meshes import fan_sector, whole
