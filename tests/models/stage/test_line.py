@@ -122,7 +122,11 @@ def in_static_axes(stage: LineStage, end: float) -> FloatArray:
     [
         ({"speed": "2400 rpm"}, ["static", "rotating"]),
         pytest.param({"speed": "-2400 rpm"}, [], marks=pytest.mark.slow),
-        ({"speed_table": [[0.0, "0 rpm"], [0.02, "6000 rpm"], [0.03, "5000 rpm"]]}, ["static"]),
+        pytest.param(
+            {"speed_table": [[0.0, "0 rpm"], [0.02, "6000 rpm"], [0.03, "5000 rpm"]]},
+            ["static"],
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["constant", "reversed", "varying"],
 )

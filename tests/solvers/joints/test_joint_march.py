@@ -86,7 +86,11 @@ def test_limits_are_linear(tmp_path: Path, joint: dict[str, Any], held: list[int
     assert (4.0 * fine - coarse) / 3.0 == pytest.approx(exact, rel=1e-6)
 
 
-@pytest.mark.parametrize("factors", [(), (1.1, 0.95, 1.02)], ids=["tuned", "mistuned"])
+@pytest.mark.parametrize(
+    "factors",
+    [pytest.param((), marks=pytest.mark.slow), (1.1, 0.95, 1.02)],
+    ids=["tuned", "mistuned"],
+)
 @pytest.mark.parametrize(
     "overclosure",
     [*(pytest.param(each, marks=pytest.mark.slow) for each in (1.2e-3, 5e-4)), 3e-4],
