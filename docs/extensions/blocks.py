@@ -80,11 +80,6 @@ def blocks(text: str) -> Iterator[Block]:
         )
 
 
-def has_long_parts(text: str) -> bool:
-    """Return whether a short run leaves out a page, or some of its blocks."""
-    return bool(LONG.match(text)) or any(block.mark == "long" for block in blocks(text))
-
-
 class Session:
     """Execution of the blocks of one page.
 

@@ -100,7 +100,11 @@ def _page(example: Path, case: bw.Case) -> Iterator[str]:
         yield _picture("branch/branch.png", "Impulse and amplitude over the speed; multipliers")
         yield _picture("motion/animation.gif", "The small motion beyond the upper fold")
     beside = sorted(example.parent.glob(f"{name}.*"), key=lambda path: path != example)
-    links = (f"{{download}}`{path.name} <../../examples/{path.name}>`" for path in beside)
+    links = (
+        f"{{download}}`{path.name} <../../examples/{path.name}>`"
+        for path in beside
+        if path.is_file()  # reductions are kept in a folder beside the file of a sector
+    )
     yield f"## The case\n\n{', '.join(links)}"
     yield f"```{{literalinclude}} ../../{file}\n:language: toml\n```"
 
