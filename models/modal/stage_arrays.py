@@ -85,6 +85,9 @@ class StageArrays:
     """Stress at each point for unit modal coordinates of a copy as stiff as the file [Pa
     kg^-1/2/m], (points, 6, modes of a copy): xx, yy, zz, xy, yz and zx in axes that turn with the
     copy, or with the sector."""
+    sector_stress_shape: FloatArray = absent()
+    """`stress_shape` at the points of the first of equal sectors, in place of it, (points of a
+    sector, 6, modes)."""
     stress_by_force: FloatArray = absent()
     """Stress by unit contact forces without their part in the modes [Pa/N], (distances, points of a
     sector, 6, contact nodes of a sector, 3): by radial, tangential and axial forces on the sector
@@ -101,6 +104,14 @@ class StageArrays:
     point: FloatArray = absent()  #: undeformed points of the first copy [m], (points, 3)
     point_shape: FloatArray = absent()
     """Displacement of each point for unit modal coordinates [kg^-1/2], (points, 3, modes)."""
+    sector_point_shape: FloatArray = absent()
+    """`point_shape` of the points of the first of equal sectors, in place of it, (points of a
+    sector, 3, modes)."""
+    mode_wave: IntArray = absent()
+    """Nodal diameter of each mode of equal sectors, negative for the sine wave of a pair,
+    (modes,)."""
+    mode_partner: IntArray = absent()
+    """Other mode of the pair, or the single mode itself, of equal sectors, (modes,)."""
     triangle: IntArray = absent()  #: points of each surface triangle, (triangles, 3)
     shaft_frame: str | None = None  #: frame of the shaft's springs, "rotating" or "static"
     shaft_stiffness: FloatArray = absent()  #: stiffness along x and y of `shaft_frame` [N/m], (2,)

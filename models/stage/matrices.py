@@ -447,7 +447,6 @@ class Matrices(Stage):
         turn = self.table.angle
         points = np.zeros((0, 3)) if part.points is None else rotate(part.points, turn)
         modes = len(self.reduced.frequency)
-        shapes = rotate(self.reduced.points.reshape(len(points), 3, modes), turn, axis=1)
         within = np.bincount(self.blade)[0]
         by_force = self.reduced.strains_by_force
         strained = by_force.reshape(*by_force.shape[:2], by_force.shape[2] // 3, 3)
@@ -469,10 +468,21 @@ class Matrices(Stage):
             gauge_by_force=np.multiply.outer(1.0 / self.factor, strained),
             **self._stresses(),
             point=points,
-            point_shape=shapes,
+            **self._point_shapes(turn),
             triangle=np.zeros((0, 3), np.int64) if part.triangles is None else part.triangles,
             **self.wall_arrays(self.kept.casing),
         )
+
+    def _point_shapes(self, turn: float) -> dict[str, Any]:
+        """Return the shapes of the points, turned by an angle; with equal sectors those of the
+        first one, from which all others follow."""
+        waves, modes = self.reduced.waves, len(self.reduced.frequency)
+        rows = self.reduced.points if waves is None else waves.of_first("points")
+        shapes = rotate(rows.reshape(-1, 3, modes), turn, axis=1)
+        if waves is None:
+            return {"point_shape": shapes}
+        numbers = {"mode_wave": waves.number, "mode_partner": waves.partner}
+        return {"sector_point_shape": shapes} | numbers
 
     def _stresses(self) -> dict[str, Any]:
         """Return the arrays of stresses in a result, if the file gives their recovery."""
@@ -483,12 +493,16 @@ class Matrices(Stage):
         points = self.part.point_count
         arrays: dict[str, Any] = {
             "point_number": np.tile(self.shown, points // len(self.shown)),
-            "stress_shape": stress.modes.reshape(points, COMPONENTS, modes),
             "stress_by_force": stress.forces.reshape(
                 distances, values // COMPONENTS, COMPONENTS, columns // 3, 3
             ),
             "copy_stiffness": self.factor,
         }
+        if (waves := self.reduced.waves) is None:
+            arrays["stress_shape"] = stress.modes.reshape(points, COMPONENTS, modes)
+        else:
+            own = waves.of_first("stresses").reshape(-1, COMPONENTS, modes)
+            arrays["sector_stress_shape"] = own
         if stress.steady is not None and self.case.effects != "none":
             steady = self.speed**2 * stress.steady
             arrays["steady_stress"] = steady.reshape(points, COMPONENTS)

@@ -183,6 +183,7 @@ def stiffened(
         **own | of_modes(squares[:modes]),
         compliance=softer[:, None] * reduced.compliance * softer + static,
         of_points=in_kept(reduced.of_points),
+        waves=None,
         points_by_force=points_by_force,
         stress=None if stress is None else replace(stress, of_modes=in_kept(stress.of_modes)),
         kept=modes,

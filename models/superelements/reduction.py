@@ -19,13 +19,13 @@ nodes have mass, and C is zero.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.structure.rotating import Rotating
 from bladewhirl.models.superelements.dense_pencil import SMALL as SMALL_DENSE
@@ -84,6 +84,21 @@ RIGID_SECTOR = Fault(
 )
 
 
+class SectorWaves(NamedTuple):
+    """Modes of a wheel of equal sectors as waves, which follow from those of the first sector.
+
+    In the axes of a sector at the angle a from the first one, a mode with the number k is cos(k a)
+    times itself in the first sector, minus sin(k a) times its partner there.
+    """
+
+    number: IntArray
+    """Nodal diameter of each mode, negative for the sine wave of a pair, (modes,)."""
+    partner: IntArray  #: other mode of the pair, or the single mode itself, (modes,)
+    of_first: Callable[[str], FloatArray]
+    """Function from the name of rows, such as "points", to these of the first sector for unit modal
+    coordinates, (rows, modes)."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReducedSuperelement(Rotating[Matrix]):
     """A superelement in modal coordinates: mass-normalised modes of its stiffness, which is
@@ -124,6 +139,7 @@ class ReducedSuperelement(Rotating[Matrix]):
     that of the boundary."""
     shapes: FloatArray | None = None
     """Modes of a structure that is not a wheel of sectors [kg^-1/2], (n, modes)."""
+    waves: SectorWaves | None = None  #: waves of a wheel of equal sectors
 
     @property
     def squares(self) -> FloatArray:

@@ -33,6 +33,7 @@ from bladewhirl.models.superelements.nodal_blocks import NodalBlock, sector_bloc
 from bladewhirl.models.superelements.reduction import (
     RIGID_SECTOR,
     ReducedSuperelement,
+    SectorWaves,
     check_count,
     root_of,
 )
@@ -203,17 +204,18 @@ def _expanded(
         [[flexibility[(i - j) % sectors] for j in range(sectors)] for i in range(sectors)]
     )
 
-    def in_modes(name: str, turn: FloatArray | None = None) -> FloatArray:
-        """Return a quantity of all sectors, such as "contact", in combinations of modes."""
+    def in_modes(name: str, turn: FloatArray | None = None, sectors: int = sectors) -> FloatArray:
+        """Return a quantity of the first sectors, such as "contact", in combinations of modes."""
         count = sectors * len(getattr(first, name))
         found, start = np.zeros((count, len(order) if turn is None else turn.shape[1])), 0
         for k, wave in enumerate(waves):
             for phases in _real_waves(k, spread):
-                each = np.stack([(one * getattr(wave.block, name)).real for one in phases])
+                rows = getattr(wave.block, name)
+                each = np.stack([(one * rows).real for one in phases[:sectors]])
                 modes = each.shape[-1]
                 if name == "points":
                     each = each.reshape(sectors, each.shape[1] // 3, 3, modes)
-                    each = rotate(each, spread[:, None, None], axis=2)
+                    each = rotate(each, spread[:sectors, None, None], axis=2)
                 among, start = place[start : start + modes], start + modes
                 if turn is None:
                     found[:, among] = each.reshape(count, modes)
@@ -255,6 +257,7 @@ def _expanded(
             else None
         ),
         kept=len(values),
+        waves=SectorWaves(*_numbers(waves, sectors, order), partial(in_modes, sectors=1)),
     )
     return _wheel(part, spread, values), reduced
 
@@ -274,6 +277,21 @@ def _order(waves: Sequence[ReducedWave], sectors: int) -> IntArray:
     if waves[0].block.gyroscopic is not None:
         return np.arange(len(squares))
     return np.argsort(np.sqrt(squares), kind="stable")
+
+
+def _numbers(
+    waves: Sequence[ReducedWave], sectors: int, order: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Return `SectorWaves.number` and `SectorWaves.partner` of the real modes in an order."""
+    numbers, partners, start = [], [], 0
+    for k, wave in enumerate(waves):
+        own = start + np.arange(modes := len(wave.squares))
+        pair = 0 < 2 * k < sectors
+        numbers += [np.full(modes, k), np.full(modes, -k)] if pair else [np.full(modes, k)]
+        partners += [own + modes, own] if pair else [own]
+        start += modes * (1 + pair)
+    place = np.argsort(order)
+    return np.concatenate(numbers)[order], place[np.concatenate(partners)[order]]
 
 
 def _real_waves(k: int, spread: FloatArray) -> Iterator[list[complex]]:

@@ -140,6 +140,59 @@ class _ContactMotion(BackendArray):
         return np.tensordot(self._motion[time].values, rows, (-1, -1))
 
 
+class _ShapesOfSectors(BackendArray):
+    """Shapes of the points of all sectors, computed when used from those of the first sector, see
+    `models.superelements.reduction.SectorWaves`.
+
+    Args:
+        first: shapes of the first sector, (point, component, mode).
+        number: number of each wave, (mode,).
+        partner: other mode of the pair, (mode,).
+        sectors: number of sectors.
+        turns: whether the components are those of vectors, which turn with the sector.
+    """
+
+    def __init__(
+        self, first: xr.Variable, number: Array, partner: Array, sectors: int, *, turns: bool
+    ) -> None:
+        self._first, self._number, self._partner = first, number, partner
+        self._sectors, self._turns = sectors, turns
+        self.shape, self.dtype = (sectors * first.shape[0], *first.shape[1:]), first.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        """Return a part of the array."""
+        return indexing.explicit_indexing_adapter(
+            key, self.shape, indexing.IndexingSupport.BASIC, self._part
+        )
+
+    def _part(self, key: tuple[Any, ...]) -> Array:
+        first = self._first.values
+        points, pair = np.atleast_1d(np.arange(self.shape[0])[key[0]]), first[..., self._partner]
+        sector, place = np.divmod(points, len(first))
+        moved = np.empty((len(points), *self.shape[1:]))
+        for one in np.unique(sector):
+            among, angle = sector == one, 2.0 * np.pi / self._sectors * one
+            own, phase = place[among], angle * self._number
+            each = np.cos(phase) * first[own] - np.sin(phase) * pair[own]
+            moved[among] = rotate(each, angle, axis=1) if self._turns else each
+        whole = slice(None) if isinstance(key[0], slice) else 0
+        return np.asarray(moved[(whole, *key[1:])])
+
+
+def _shapes_of_sectors(dataset: xr.Dataset) -> dict[str, xr.Variable]:
+    """Return the shapes of all points of equal sectors, of which the first sector is stored."""
+    found = {}
+    for name in ("point_shape", "stress_shape"):
+        if (stored := f"sector_{name}") in dataset and name not in dataset:
+            first, variable = dataset.variables[stored], schema.RESULT[name]
+            number, partner = dataset["mode_wave"].values, dataset["mode_partner"].values
+            sectors, turns = dataset.sizes["point"] // len(first), name == "point_shape"
+            shapes = _ShapesOfSectors(first, number, partner, sectors, turns=turns)
+            lazy = indexing.LazilyIndexedArray(shapes)
+            found[name] = xr.Variable(variable.dimensions, lazy, variable.attributes)
+    return found
+
+
 def completed(dataset: xr.Dataset) -> xr.Dataset:
     """Return a stage with what every stage has, whether its result stores it or not.
 
@@ -180,6 +233,7 @@ def completed(dataset: xr.Dataset) -> xr.Dataset:
         motion = _ContactMotion(dataset.variables["rotor_displacement"], rows)
         lazy, variable = indexing.LazilyIndexedArray(motion), schema.RESULT["contact_displacement"]
         found["contact_displacement"] = xr.Variable(variable.dimensions, lazy, variable.attributes)
+    found |= _shapes_of_sectors(dataset)
     added = {*str(dataset.attrs.get(DERIVED, "")).split(), *found}
     complete = dataset.assign(found)  # a new Dataset, also its attributes
     complete.attrs[DERIVED] = " ".join(sorted(added))
@@ -243,6 +297,8 @@ def result_fault(dataset: xr.Dataset) -> str:
         optional = absent.intersection(variable.dimensions)
         if variable.part not in parts or variable.since > made_by or optional:
             continue
+        if f"sector_{key}" in dataset:  # from which this one follows
+            continue
         if key not in dataset:
             return f"a bladewhirl result; it has no {key!r}"
         dimensions = dataset[key].dims
@@ -262,6 +318,13 @@ def result_fault(dataset: xr.Dataset) -> str:
         ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
         if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
             return "'rotor_line' to connect different points"
+    if "waves" in parts:
+        modes, sectors = (
+            dataset.sizes["mode"],
+            dataset.sizes["point"] / dataset.sizes["sector_point"],
+        )
+        if dataset["mode_partner"].values.max() >= modes or sectors % 1.0:
+            return "'mode_partner' to be modes, and equal numbers of points in all sectors"
     if "casing" in parts:
         for number in wheel_numbers(dataset):
             angle = of_wheel(dataset, number)["casing_angle"].values

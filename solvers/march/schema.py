@@ -15,7 +15,7 @@ from bladewhirl.files import packaged_rows
 RESULT_NAME = "result.nc"
 """Name of the result file in the folder of a run."""
 
-RESULT_FORMAT = 15
+RESULT_FORMAT = 16
 """Current format of result.nc. A file of an older format lacks variables with a higher number in
 the column "since". Results before format 10, and before format 15 of 3D blades at a varying speed,
 whose motion lacked a load, are refused."""
@@ -56,7 +56,8 @@ class Variable(NamedTuple):
     part: str
     """Part of a stage that has the variable: "families" of modes, "lines" of a mesh of beams,
     motion of the "centre", its "springs", "growth" of the tips, contact "nodes" whose motion is
-    recorded, "points" for pictures, "gauges", "stress" at points, a flexible "casing", a "coating",
+    recorded, "points" for pictures, "gauges", "stress" at points, "waves" and "waves of stress" of
+    equal sectors, from which the shapes of all points follow, a flexible "casing", a "coating",
     several "wheels" with walls, "rings" around them, a "speed" that varies, "critical" speeds in
     its range, a known "inertia" of the rotation, the "drive" of a free speed, sudden "changes", a
     shaft "line" and its "wheel", friction "joints", "dampers" in them; "" for all."""

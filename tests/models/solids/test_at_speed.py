@@ -19,6 +19,7 @@ from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.superelements import kept_reduction
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
+from bladewhirl.postprocess.fields.result import completed, described
 
 SPEED = CALCULIX["speed"]
 
@@ -154,6 +155,23 @@ def test_a_condensed_blade_is_kept_beside_its_file(
     assert made[0].part.size < part.size
     for name in ("frequency", "contact", "compliance", "points"):
         assert_array_equal(*(getattr(stage.reduced, name) for stage in made))
+
+
+def test_the_shapes_of_all_sectors_follow_from_those_of_the_first(tmp_path: Path) -> None:
+    part = mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2)
+    stage = build_matrices(case(tmp_path, part, "sector", reduction={"free_interface_modes": 4}))
+    arrays, modes = stage.shown_arrays, stage.reduced.size
+    result = completed(described(arrays.stored))
+    assert stage.reduced.stress is not None
+    for name, rows in (("point", stage.reduced.points), ("stress", stage.reduced.stress.modes)):
+        expected = rows.reshape(stage.part.point_count, -1, modes)
+        shape = result[f"{name}_shape"]
+        close = 1e-14 * abs(expected).max()
+        assert shape[40].values == pytest.approx(expected[40], abs=close)
+        assert shape[3::50, 1].values == pytest.approx(expected[3::50, 1], abs=close)
+        assert shape.values == pytest.approx(expected, abs=close)
+        assert TIE["copies"] * arrays.stored[f"sector_{name}_shape"].size == shape.size
+        assert f"{name}_shape" not in arrays.stored
 
 
 def test_the_error_of_a_sector_does_not_depend_on_the_order_of_its_modes(tmp_path: Path) -> None:
