@@ -46,6 +46,7 @@ def main() -> None:
     points = parser.parse_args().points
     step = (LAST - FIRST) / max(points - 1, 1)
     speeds = [f"{FIRST + n * step} rpm" for n in range(points)]
+    bw.periodic(bw.read_case(CASE))  # loads libraries
     spent = dict[str, float]()
     timed(motions, "joint_motion", spent)
     timed(dataset, "largest_multiplier", spent)
