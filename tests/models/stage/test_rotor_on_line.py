@@ -536,7 +536,7 @@ WALLS: dict[float, dict[str, Any]] = {
 
 
 def ring(thickness: str, **more: Any) -> dict[str, Any]:
-    """A flexible ring of 20 elements."""
+    """A flexible ring."""
     wall = {"width": "60 mm", "thickness": thickness}
     return {"type": "ring", "support": "20 N/mm2", "wall": wall} | more
 
@@ -551,7 +551,11 @@ RINGS: dict[float, dict[str, Any]] = {
 # the last of 120 is one of four of equal frequency
 @pytest.mark.parametrize(
     ("walls", "modes"),
-    [pytest.param(WALLS, 60, marks=pytest.mark.slow), (WALLS, 120), (RINGS, 60)],
+    [
+        pytest.param(WALLS, 60, marks=pytest.mark.slow),
+        (WALLS, 120),
+        pytest.param(RINGS, 60, marks=pytest.mark.slow),
+    ],
 )
 def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(
     walls: dict[float, dict[str, Any]], modes: int, folder: Path
@@ -570,6 +574,20 @@ def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(
     for one, swapped in zip(*found.values(), strict=True):
         assert one.any()
         np.testing.assert_allclose(one, swapped, rtol=0, atol=1e-5 * np.abs(one).max())
+
+
+def test_rings_of_several_wheels_follow_each_other(folder: Path) -> None:
+    stage = stage_of(two_wheels(folder, 0.6, RINGS, reduction={"free_interface_modes": 12}))
+    problem, nodes = contact_problem(stage), len(stage.blade) // 2
+    first, other = np.split(problem.casing.clearance[:, 0], 2)  # normal to the walls
+    np.testing.assert_allclose(first, 1e-4 * np.cos(0.2))
+    np.testing.assert_allclose(other, 6e-5)
+    assert problem.rotor.wall.tolist() == stage.arrays.wheel.tolist() == [0] * nodes + [1] * nodes
+    assert stage.arrays.casing_wheel.tolist() == [0] * 40 + [1] * 40
+    np.testing.assert_allclose(np.diff(stage.arrays.ring_radius[[0, -1]]), 6e-5 - 1e-4)
+    own = np.split(stage.arrays.casing_shape, 2)
+    assert not np.any(np.any(own[0], axis=(0, 1)) & np.any(own[1], axis=(0, 1)))
+    assert stage.clearance_key(2 * nodes - 1) == "shaft_line.wheels.0.casing.clearance"
 
 
 def test_walls_of_several_wheels_are_round_and_of_one_type(folder: Path) -> None:
