@@ -47,6 +47,8 @@ NO_BEAMS = (
     "dampers",
     "nodes",
     "points",
+    "waves",
+    "waves of stress",
     "gauges",
     "stress",
     "speed",
