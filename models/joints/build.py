@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -14,6 +13,12 @@ from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.case.excitation import EngineOrder
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.joints.surfaces import (
+    JointNodes,
+    SectorContacts,
+    joint_nodes,
+    sector_contacts,
+)
 from bladewhirl.models.joints.tips import at_wall, wall_contact, with_tips
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -25,36 +30,6 @@ from bladewhirl.models.superelements.reduction import rigid_limit
 ALIKE = 1e-6  #: largest relative difference of forces on equal blades
 
 
-def axes(normal: Sequence[float] | FloatArray) -> FloatArray:
-    """Return the matrix A of a joint, whose columns are the normal and two tangents: radial,
-    tangential and axial components, (3, 3)."""
-    n = np.asarray(normal, dtype=np.float64)
-    first = np.cross([1.0, 0.0, 0.0], n)
-    first /= np.linalg.norm(first)
-    return np.column_stack([n, first, np.cross(n, first)])
-
-
-class JointNodes(NamedTuple):
-    """Pairs of nodes of joints, which each blade has with the next one."""
-
-    left: IntArray  #: nodes on the clockwise side of a blade, (pairs,)
-    right: IntArray  #: nodes on its counter-clockwise side, (pairs,)
-    joint: IntArray  #: number of the joint of each pair, (pairs,)
-    axes: FloatArray  #: see `axes`, (pairs, 3, 3)
-
-
-def joint_nodes(stage: Matrices) -> JointNodes:
-    """Return the pairs of nodes of the joints of a stage."""
-    sides = [stage.table.joint_nodes(joint) for joint in stage.case.joint]
-    if not sides:
-        none = np.zeros(0, dtype=np.int64)
-        return JointNodes(none, none, none, np.zeros((0, DIRECTIONS, DIRECTIONS)))
-    left, right = (np.concatenate(each) for each in zip(*sides, strict=True))
-    joint = np.repeat(np.arange(len(sides)), [len(side[0]) for side in sides])
-    turned = np.stack([axes(each.direction) for each in stage.case.joint])
-    return JointNodes(left, right, joint, turned[joint])
-
-
 def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> JointedWheel:
     """Return the tuned wheel of a case with joints at the speed of the stage, whose tips touch the
     wall of a contact problem if it is given.
@@ -64,15 +39,11 @@ def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> Jointe
         UserError: blades or forces on them differ, or no load varies with time.
     """
     case, table, rotor = stage.case, stage.table, stage.rotor
-    if wedges := [joint.name for joint in case.joint if joint.kind == "wedge"]:
-        raise UserError(
-            f'periodic: joint.{wedges[0]}.kind = "wedge": expected "shroud", as dampers are bodies'
-            " that only a march has; use bladewhirl run or sweep"
-        )
     own = table.copies if table.kind != "blade" else 1
     nodes = stage.part.contacts // own
     pairs = joint_nodes(stage)
-    rows, joint = _rows(pairs, nodes), pairs.joint
+    surfaces = sector_contacts(stage, pairs)
+    rows, joint = surfaces.rows, pairs.joint[surfaces.pair]
     given = rows
     if wall is not None:
         at_tips = wall_contact(stage, wall)
@@ -110,8 +81,29 @@ def jointed_wheel(stage: Matrices, wall: ContactProblem | None = None) -> Jointe
         tips=tuple(tips.tolist()),
         points_by_force=by_force.reshape(len(by_force), own, DIRECTIONS * nodes) @ rows.T,
     )
-    wheel = replace(wheel, gap=overclosures(stage, pairs))
+    wheel = replace(wheel, gap=overclosures(stage, pairs)[surfaces.pair])
+    if len(surfaces.pull):
+        wheel = _with_dampers(wheel, surfaces)
     return wheel if wall is None else at_wall(wheel, at_tips)
+
+
+def _with_dampers(wheel: JointedWheel, surfaces: SectorContacts) -> JointedWheel:
+    """Return a wheel with the dampers of its joints as further modes of each copy."""
+    own, (values, dampers) = len(wheel.contact), surfaces.dampers.shape
+    added = own * dampers
+    contact = np.pad(wheel.contact, ((0, 0), (0, 0), (0, added)))
+    for blade, place in enumerate(np.split(np.arange(-added, 0), own)):
+        contact[blade, -values:, place] = (surfaces.dampers / np.sqrt(surfaces.mass)).T
+    return replace(
+        wheel,
+        dampers=surfaces.dampers,
+        pull=surfaces.pull,
+        contact=contact,
+        stiffness=np.pad(wheel.stiffness, ((0, 0), (0, added))),
+        damping=np.pad(wheel.damping, ((0, 0), (0, added), (0, added))),
+        loads={order: np.pad(force, (0, added)) for order, force in wheel.loads.items()},
+        points=np.pad(wheel.points, ((0, 0), (0, added))),
+    )
 
 
 def _rows(pairs: JointNodes, nodes: int) -> FloatArray:

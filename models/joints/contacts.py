@@ -2,19 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple, cast
+from typing import cast
 
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EngineOrder, Excitation
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.case.joint import Joint
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.joints.build import JointNodes, axes, joint_nodes, overclosures
+from bladewhirl.models.joints.build import overclosures
 from bladewhirl.models.joints.pressed import NoStaticForces, pressed
+from bladewhirl.models.joints.surfaces import dampers_of, joint_nodes, surfaces_of
 from bladewhirl.models.joints.wheel import DIRECTIONS
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.build import check_start
@@ -134,71 +134,6 @@ def _joint_contacts(stage: Matrices, problem: ContactProblem) -> tuple[JointCont
         **dampers_of(stage, joint, ends, pairs),
     )
     return _pressed(stage, rotor, found, matrix, start)
-
-
-class Surfaces(NamedTuple):
-    """A pair of surfaces in contact."""
-
-    blade: int  #: blade whose joint it is
-    pair: int  #: number of its pair of nodes
-    ends: tuple[int, int]  #: see `JointContacts.ends`
-    axes: FloatArray  #: normal from the second to the first end, and two tangents, as columns
-
-
-def surfaces_of(stage: Matrices, pairs: JointNodes) -> list[Surfaces]:
-    """Return the pairs of surfaces of all blades, blade by blade."""
-    blades, given = stage.table.copies, stage.case.joint
-    per_blade = stage.angle.size // blades
-    return [
-        Surfaces(blade, n, *each)
-        for blade in range(blades)
-        for n in range(len(pairs.joint))
-        for each in _touching(given[pairs.joint[n]], pairs, n, blade, blades, per_blade)
-    ]
-
-
-def _touching(
-    joint: Joint, pairs: JointNodes, n: int, blade: int, blades: int, nodes: int
-) -> list[tuple[tuple[int, int], FloatArray]]:
-    """Return ends and axes of the surfaces of a pair of nodes: one pair, or those of a damper."""
-    left, right = nodes * ((blade + 1) % blades) + pairs.left[n], nodes * blade + pairs.right[n]
-    if joint.wedge is None:
-        return [((left, right), pairs.axes[n])]
-    c, s = np.cos(joint.wedge.angle), np.sin(joint.wedge.angle)
-    return [((left, -1), axes([s, c, 0.0])), ((right, -1), axes([s, -c, 0.0]))]
-
-
-def dampers_of(
-    stage: Matrices, joint: IntArray, ends: IntArray, pairs: JointNodes
-) -> dict[str, Any]:
-    """Return the arrays of the dampers of a stage.
-
-    Raises:
-        CaseError: a damper has no centrifugal force, or several nodes.
-    """
-    case, damper = stage.case, np.full(len(joint), -1, dtype=np.int64)
-    held = np.flatnonzero(ends[:, 1] < 0)
-    damper[held] = np.arange(len(held)) // 2
-    mobility, pull = np.zeros((2, len(held) // 2, DIRECTIONS))
-    for number, pair in enumerate(held[::2]):
-        own, wedge = int(joint[pair]), case.joint[joint[pair]].wedge
-        assert wedge is not None
-        if not stage.speed or np.count_nonzero(pairs.joint == own) > 1:
-            key = "march.speed" if not stage.speed else f"joint.{own}.left"
-            expected = "a speed at which the centrifugal force presses the dampers"
-            expected = expected if not stage.speed else "one node on each side of a damper"
-            raise CaseError([case_fault(case, key, expected)])
-        radius = wedge.radius
-        if radius is None:
-            radius = float(np.resize(stage.part.contact_radius, ends.max() + 1)[ends[pair, 0]])
-        field = radius * stage.speed**2
-        mass = wedge.mass if wedge.force is None else wedge.force / field
-        assert mass is not None
-        mobility[number] = 1.0 / mass
-        pull[number, 0] = mass * field
-        if wedge.axial == "held":
-            mobility[number, 2] = 0.0
-    return {"damper": damper, "mobility": mobility, "pull": pull, "damper_start": 0.0 * pull}
 
 
 def _left_out(load: Excitation, stage: Matrices) -> list[FloatArray]:

@@ -21,8 +21,7 @@ import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.excitation import EngineOrder
-from bladewhirl.models.joints.build import joint_nodes
-from bladewhirl.models.joints.contacts import dampers_of, surfaces_of
+from bladewhirl.models.joints.surfaces import dampers_of, joint_nodes, surfaces_of
 from bladewhirl.models.joints.wheel import DIRECTIONS
 from bladewhirl.models.stage.forced import ForcedRotor, orders_of
 from bladewhirl.models.stage.joint_contacts import damper_rows, rows_of

@@ -21,6 +21,12 @@ all k. Those of a wheel are sums over its blades j,
 A tip that touches a rigid wall is such a node, too, without the left part: the normal points from
 the wall into the blade, the first tangent along the rotation, and d is that of the tip. Its gap g_0
 varies as the blade turns, and its slip contains that of the rotation.
+
+A damper between blades j and j + 1 is a body of blade j with the displacement x, which two
+contacts press, l_1 on blade j + 1 and l_2 on blade j: one has the left part alone and the other the
+right part, and the damper adds B x to both. Its directions are modes without stiffness: at w = 0
+they are still in A(w), as the mean of x follows from the balance B^T l + F = 0 with the centrifugal
+force F.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,10 +53,12 @@ class Wave:
     def admittance(self, w: float | FloatArray) -> ComplexArray:
         """Return A(w), (..., modes, modes), or its diagonal, (..., modes), if D is diagonal."""
         rates, w = np.diag(self.damping), np.asarray(w)[..., None]
+        still = ((self.stiffness == 0.0) & (w == 0.0)).astype(np.float64)
         if not np.count_nonzero(self.damping - np.diag(rates)):
-            return np.asarray(1.0 / (self.stiffness - w**2 + 1j * w * rates))
-        w, own = w[..., None], np.diag(self.stiffness)
-        return np.asarray(np.linalg.inv(own - w**2 * np.eye(len(own)) + 1j * w * self.damping))
+            return np.asarray(1.0 / (self.stiffness - w**2 + 1j * w * rates + still) - still)
+        still, w, own = still[..., None] * np.eye(len(rates)), w[..., None], np.diag(self.stiffness)
+        dynamic = own - w**2 * np.eye(len(own)) + 1j * w * self.damping
+        return np.asarray(np.linalg.inv(dynamic + still) - still)
 
 
 def times(admittance: ComplexArray, values: ComplexArray) -> ComplexArray:
@@ -100,6 +108,11 @@ class JointedWheel:
     radius: FloatArray = field(default_factory=lambda: np.zeros(1))
     """Distance by which each node slides along its first tangent in a radian of the rotation: the
     radius of a tip, zero in joints [m], (nodes,) or (1,)."""
+    dampers: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    """Displacements B of the joints of a blade by those of its dampers, in the directions in which
+    these move, (values, dampers); (0, 0) without dampers."""
+    pull: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """Centrifugal force F on dampers in these directions [N], (dampers,)."""
     permanent: bool = False
     """True if the friction of tips opposes the rotation, false if it opposes the slip."""
 

@@ -60,7 +60,7 @@ def _errors(motion: JointMotion, smooth: float, share: float) -> tuple[FloatArra
     grid = motion.grid
     trial = (grid.series @ motion.trial(share)).reshape(grid.instants, -1, DIRECTIONS)
     law = joint_law.projected(trial, grid.wheel.friction, smooth)
-    return motion.parts - grid.to_coefficients @ law.force.reshape(grid.instants, -1), law.slope
+    return motion.forces - grid.to_coefficients @ law.force.reshape(grid.instants, -1), law.slope
 
 
 def _matrix(grid: JointGrid, slope: FloatArray) -> FloatArray:
@@ -92,6 +92,7 @@ def _matrix(grid: JointGrid, slope: FloatArray) -> FloatArray:
     columns[:, values : 2 * values] = columns[:, :values]
     matrix = columns[values:, values:].T
     matrix[np.diag_indices(len(matrix))] += 1.0
+    matrix[:values, :values] -= grid.balance.share
     return matrix
 
 
@@ -115,7 +116,7 @@ def solve(start: JointMotion, smooth: float = 0.0) -> JointMotion:
     sizes = list[float]()
     for _ in range(STEPS):
         size = float(np.linalg.norm(error))
-        if size <= CLOSE * (start.grid.size + np.abs(motion.parts).max()):
+        if size <= CLOSE * (start.grid.size + np.abs(motion.forces - error).max()):
             return motion
         sizes.append(size)
         if min(sizes) > PROGRESS * min(sizes[:-STALLED], default=np.inf):

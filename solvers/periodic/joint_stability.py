@@ -39,6 +39,9 @@ NEUTRAL = 5e-3
 """Growth up to which a motion is stable: static forces of nodes that hardly slip neither grow nor
 decay."""
 FAST = 0.5 * np.pi  #: largest angle of a mode in a step [rad]
+SLOW = 1e-4
+"""Angle in a step of dampers, which have no stiffness: their eigenvectors would not be independent
+[rad]."""
 ENTRIES, THIN = 1_000_000, 0.06
 """Entries of matrices of several steps that are in memory at a time, and the share of entries that
 are not zero below which a matrix is a sparse one."""
@@ -93,7 +96,9 @@ class Deviations:
         static = wheel.compliance.transpose(1, 0, 3, 2).reshape(len(rows), len(rows))
         static = static + rows[:, fast] / wheel.stiffness[0, fast] @ rows[:, fast].T
         damping = wheel.damping[0][np.ix_(kept, kept)]
-        steps = Steps(wheel.stiffness[0, kept], damping, self.step)
+        stiffness = wheel.stiffness[0, kept]
+        stiffness = np.where(stiffness == 0.0, (SLOW / self.step) ** 2, stiffness)
+        steps = Steps(stiffness, damping, self.step)
         carried, push = steps.transition(rows[:, kept])
         return np.pad(rows[:, kept] / steps.unit, ((0, 0), (0, len(kept)))), static, carried, push
 

@@ -32,10 +32,11 @@ from math import gcd
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.joints.pressed import NoStaticForces, pressed
+from bladewhirl.models.joints.pressed import NoStaticForces
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.solvers.periodic import joint_law
 from bladewhirl.solvers.periodic.contact import NotConverged
+from bladewhirl.solvers.periodic.joint_dampers import Balance
 
 SAMPLED = 8  #: instants for each harmonic
 FAST = 1e9  #: factor of the slip by the rotation if friction opposes it alone
@@ -89,6 +90,11 @@ class JointGrid:
         found[:, tangential] *= self.rates[:, None, None]
         found[0, tangential, tangential] = CREEP * self.soft[tangential]
         return found
+
+    @cached_property
+    def balance(self) -> Balance:
+        """The balance of the mean forces on dampers."""
+        return Balance.of(self.wheel, self.soft)
 
     @cached_property
     def free(self) -> ComplexArray:
@@ -145,10 +151,12 @@ class JointGrid:
     def rest(self) -> FloatArray:
         """Coefficients of the part of the trial forces due to mean gaps and the slip by the
         rotation [N], (2 H + 1, values)."""
-        found = np.zeros_like(self.load)
+        found, balance = np.zeros_like(self.load), self.balance
         found[0, ::DIRECTIONS] = -self.wheel.gap / self.soft[::DIRECTIONS]
         slip = self.turning * (FAST if self.wheel.permanent else 1.0)
         found[0, 1::DIRECTIONS] = -slip / self.soft[1::DIRECTIONS]
+        by_pull = (self.effects[0].real - balance.moved) @ balance.pulled
+        found[0] += balance.pulled - by_pull / self.soft
         return found
 
     @cached_property
@@ -159,6 +167,9 @@ class JointGrid:
         found = np.block([[real, -imaginary], [imaginary, real]]) / -np.tile(self.soft, 2)[:, None]
         each = np.arange(found.shape[1])
         found[:, each, each] += 1.0
+        own, balance = slice(self.wheel.values), self.balance
+        by_place = balance.moved - self.effects[0].real @ balance.share
+        found[0, own, own] -= balance.share + by_place / self.soft[:, None]
         return found
 
     @cached_property
@@ -207,8 +218,8 @@ class JointMotion:
 
     grid: JointGrid
     parts: FloatArray
-    """Mean of the forces, and real and imaginary parts of their harmonics [N], (2 H + 1,
-    values)."""
+    """Mean of the forces, or with dampers p of `joint_dampers`, and real and imaginary parts of
+    their harmonics [N], (2 H + 1, values)."""
     change: float = np.inf
     """Relative change with the harmonics, see `joint_search`; infinite if unknown."""
 
@@ -222,7 +233,8 @@ class JointMotion:
         normal = slice(None, None, DIRECTIONS)
         parts = np.zeros_like(grid.load)
         try:
-            parts[0, normal] = pressed(grid.responses[0].real[normal, normal], grid.wheel.gap)
+            flexible = grid.responses[0].real[normal, normal]
+            parts[0] = grid.balance.at_rest(flexible, grid.wheel.gap)
         except NoStaticForces as error:
             raise NotConverged(str(error)) from error
         return cls(grid, parts)
@@ -235,19 +247,45 @@ class JointMotion:
         orders, shared = self.grid.number * self.grid.order, min(values, self.grid.wheel.values)
         kept = (orders % grid.order == 0) & (orders <= grid.harmonics * grid.order)
         found[orders[kept] // grid.order, :shared] = self.harmonics[kept, :shared]
-        return JointMotion(grid, coefficients(found))
+        parts = coefficients(found)
+        parts[0] = grid.balance.unknowns(parts[0], self._place)
+        return JointMotion(grid, parts)
+
+    @property
+    def forces(self) -> FloatArray:
+        """Mean of the forces, and real and imaginary parts of their harmonics [N], (2 H + 1,
+        values)."""
+        return np.vstack([self.grid.balance.forces(self.parts[0]), self.parts[1:]])
 
     @property
     def harmonics(self) -> ComplexArray:
         """Complex amplitudes of the forces [N], (H + 1, values)."""
-        real = np.vstack([self.parts[:1], self.parts[1::2]])
-        return np.asarray(real + 1j * np.vstack([0.0 * self.parts[:1], self.parts[2::2]]))
+        parts = self.forces
+        real = np.vstack([parts[:1], parts[1::2]])
+        return np.asarray(real + 1j * np.vstack([0.0 * parts[:1], parts[2::2]]))
 
     @cached_property
     def moved(self) -> ComplexArray:
         """Complex amplitudes of the displacements of the joint [m], (H + 1, values)."""
         pushed = np.einsum("hij,hj->hi", self.grid.responses, self.harmonics)
-        return np.asarray(self.grid.free + pushed)
+        found = self.grid.free + pushed
+        found[0] += self.grid.balance.rows @ np.where(self.grid.balance.walks, 0.0, self._place)
+        return np.asarray(found)
+
+    @property
+    def _place(self) -> FloatArray:
+        """Mean place of the dampers [m], or the distance by which they walk in a radian,
+        (dampers,)."""
+        return self.grid.balance.place(self.parts[0])
+
+    @property
+    def walks(self) -> dict[str, float]:
+        """Distances by which the dampers of joints walk along the axis in a period, by the names of
+        the joints [m]."""
+        wheel, balance = self.grid.wheel, self.grid.balance
+        joint = wheel.joint[np.abs(balance.rows).argmax(axis=0) // DIRECTIONS]
+        each = zip(joint[balance.walks], self._place[balance.walks], strict=True)
+        return {wheel.names[n]: 2.0 * np.pi * float(place) for n, place in each}
 
     def trial(self, share: float = 1.0) -> FloatArray:
         """Return the coefficients of the trial forces under a share of the engine orders [N],
@@ -290,7 +328,7 @@ class JointMotion:
         """Largest error of the forces times the flexibility [m]."""
         grid = self.grid
         values = self.force.reshape(grid.instants, -1)
-        return float(np.abs((self.parts - grid.to_coefficients @ values) * grid.soft).max())
+        return float(np.abs((self.forces - grid.to_coefficients @ values) * grid.soft).max())
 
     @property
     def smallest_gap(self) -> float:

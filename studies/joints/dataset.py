@@ -49,6 +49,7 @@ def dataset(case: Case, motions: Sequence[JointMotion], reference: float) -> xr.
     return xr.Dataset(
         {
             **_of_joints(motions),
+            **_of_dampers(motions),
             **_of_wall(motions),
             "point_amplitude": quantity((over, "point", "direction"), amplitude, "m", of_order),
             "linear_limit": quantity((over, "limit", "point"), limits, "m", limit),
@@ -114,6 +115,16 @@ def _over_a_period(motions: Sequence[JointMotion], count: int) -> dict[str, Any]
         "relative_displacement": quantity((*nodes, "component"), moved, "m", relative),
         "state": quantity(nodes, states, "1", "open 0, stuck 1, slipping 2"),
     }
+
+
+def _of_dampers(motions: Sequence[JointMotion]) -> dict[str, Any]:
+    """Return how far dampers walk, NaN of other joints; none if all are held."""
+    if not motions[0].walks:
+        return {}
+    names = motions[0].grid.wheel.names
+    walks = [[each.walks.get(name, np.nan) for name in names] for each in motions]
+    label = "distance by which the damper walks along the axis in a period"
+    return {"walk": quantity(("speed", "joint"), walks, "m", label)}
 
 
 def _of_wall(motions: Sequence[JointMotion]) -> dict[str, Any]:

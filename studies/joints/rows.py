@@ -97,11 +97,13 @@ def hints(rows: Sequence[dict[str, Any]]) -> str:
 def rows_of(data: xr.Dataset, over: str = "speed") -> list[dict[str, Any]]:
     """Return the rows of the motions over a dimension."""
     rows, limits = [], data["limit"].values.tolist()
+    own = [*OF_JOINTS, *(["walk"] if "walk" in data else [])]
     for n in range(data.sizes[over]):
         one = data.isel({over: n})
         contacts = {
-            name: {key: float(one[key].sel(joint=name)) for key in OF_JOINTS}
+            name: {key: float(each[key]) for key in own if not np.isnan(each[key])}
             for name in one["joint"].values.tolist()
+            for each in [one[own].sel(joint=name)]
         }
         wall = contacts.pop(WALL, None)
         points = one["point_amplitude"].values

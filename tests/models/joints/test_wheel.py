@@ -10,7 +10,8 @@ from joint_cases import BLADES, blade, tables
 
 import bladewhirl as bw
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.joints.build import axes, jointed_wheel
+from bladewhirl.models.joints.build import jointed_wheel
+from bladewhirl.models.joints.surfaces import axes
 from bladewhirl.models.joints.wheel import DIRECTIONS, JointedWheel
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
