@@ -55,7 +55,7 @@ class Balance(NamedTuple):
 
     def forces(self, mean: FloatArray) -> FloatArray:
         """Return the mean forces l of p [N], (values,)."""
-        return np.asarray(mean - self.share @ (mean - self.pulled))
+        return np.asarray(mean - self.share @ mean + self.pulled)
 
     def place(self, mean: FloatArray) -> FloatArray:
         """Return x of p [m], (dampers,)."""
