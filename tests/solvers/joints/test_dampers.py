@@ -6,15 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from joint_cases import BLADES, tables
+import scipy.linalg as la
+from joint_cases import BLADES, blade, tables
+from scipy.spatial.transform import Rotation
 
 import bladewhirl as bw
 from bladewhirl.models.joints.build import jointed_wheel
 from bladewhirl.models.joints.wheel import JointedWheel
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
+from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.solvers.periodic.joint_law import OPEN, SLIPPING
-from bladewhirl.solvers.periodic.joint_search import _errors, _matrix, joint_motion
+from bladewhirl.solvers.periodic.joint_search import _errors, _matrix, joint_motion, rough_motion
 from bladewhirl.solvers.periodic.joint_stability import largest_multiplier
 from bladewhirl.solvers.periodic.joints import JointGrid, JointMotion
 from bladewhirl.studies.runs.prepare import prepare
@@ -82,6 +85,50 @@ def test_derivatives_are_those_of_the_equations(tmp_path: Path) -> None:
     change = (after - before).ravel() / 2e-6
     by_force = _matrix(grid, _errors(motion, smooth, 0.7)[1])
     assert by_force @ noise[1].ravel() == pytest.approx(change, rel=1e-5, abs=1e-5 * grid.size)
+
+
+def in_one_piece(blades: int) -> Superelement:
+    """All blades of `joint_cases` as one body."""
+    part = blade(blades)
+    nodes = len(np.asarray(part.mass)) // 3
+    angle = 2.0 * np.pi / blades * np.arange(blades)
+    turns = [Rotation.from_rotvec([0.0, 0.0, each]).as_matrix() for each in angle]
+    global_axes = la.block_diag(*(np.kron(np.eye(nodes), each) for each in turns))
+    mass, stiffness = (
+        global_axes @ np.kron(np.eye(blades), np.asarray(each)) @ global_axes.T
+        for each in (part.mass, part.stiffness)
+    )
+    assert part.recovery is not None
+    ahead = 3 * nodes * np.arange(blades)[:, None, None]
+    return replace(
+        part,
+        mass=mass,
+        stiffness=stiffness,
+        contact_position=np.vstack([part.contact_position @ each.T for each in turns]),
+        contact_dofs=(part.contact_dofs + ahead).reshape(-1, 3),
+        points=np.vstack([part.points @ each.T for each in turns]),
+        recovery=np.kron(np.eye(blades), np.asarray(part.recovery)),
+    )
+
+
+def test_dampers_of_a_wheel_in_one_piece_are_those_of_its_blades(tmp_path: Path) -> None:
+    found = []
+    for kind, part in (("blade", blade(3)), ("wheel", in_one_piece(3))):
+        file = tmp_path / f"own_{kind}.npz"
+        bw.write_superelement(file, part)
+        own = kind == "blade"
+        changes = {
+            "bladed_disk.superelement": {"file": str(file), "kind": kind, "copies": 3},
+            "reduction.free_interface_modes": 8 if own else 24,
+            "excitation.order": 1,
+            "excitation.points": [0] if own else [0, 2, 4],
+        }
+        found.append(rough_motion(wheel(bw.with_values(damped(tmp_path, axial="free"), changes))))
+    one, other = found
+    assert (one.states == SLIPPING).any()
+    assert other.forces == pytest.approx(one.forces, abs=1e-6 * FORCE)
+    assert other.walks == pytest.approx(one.walks, rel=1e-6)
+    assert largest_multiplier(other) == pytest.approx(largest_multiplier(one), rel=1e-6)
 
 
 @pytest.mark.slow

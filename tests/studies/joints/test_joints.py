@@ -282,9 +282,14 @@ def test_modes_and_campbell_say_that_joints_do_not_act(tmp_path: Path, command: 
         assert ("are those of blades without joints" in shown) == bool(given.joint)
 
 
-def test_periodic_has_no_dampers(tmp_path: Path) -> None:
-    with pytest.raises(bw.UserError, match="only a march has"):
-        bw.periodic(case(tmp_path, kind="wedge", wedge={"mass": "1 g"}))
+def test_periodic_has_the_walk_of_dampers_that_are_free(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    wedge = {"mass": "20 g", "axial": "free"}
+    file.write_text(dumps_case(case(tmp_path, kind="wedge", wedge=wedge)))
+    (row,) = json.loads(answer("periodic", file, "--json").stdout)["solutions"]
+    assert row["amplitude"] == pytest.approx(row["linear_limits"]["stuck"][0], rel=1e-6)
+    assert abs(row["joints"]["shroud"]["walk"]) < 1e-12
+    assert row["stable"]
 
 
 def test_a_wheel_at_rest_has_no_period(tmp_path: Path) -> None:
