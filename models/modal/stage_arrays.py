@@ -187,6 +187,15 @@ class StageArrays:
     """Radius of the ring of each casing node then [m], (casing nodes,)."""
     wall_wheel: IntArray = absent()  #: wheel inside each value of `clearance` then, (angles,)
     support_wheel: IntArray = absent()  #: wheel inside the ring of each support then, (supports,)
+    further_centre_shape: FloatArray = absent()
+    """`centre_shape` of each further wheel of a shaft line, (further wheels, 2, rotor modes)."""
+    further_point: FloatArray = absent()
+    """`point` of all further wheels, in the axes of the first [m], (further points, 3)."""
+    further_point_shape: FloatArray = absent()
+    """`point_shape` there [kg^-1/2], (further points, 3, rotor modes)."""
+    further_point_wheel: IntArray = absent()
+    """Wheel of each of these points, 1 ... as in `wheel`, (further points,)."""
+    further_triangle: IntArray = absent()  #: points of each triangle, (further triangles, 3)
     wall_angle: FloatArray  #: angle of each value of `clearance` from +x [rad], (angles,)
     clearance: FloatArray  #: clearance at rest [m], (angles,)
 

@@ -147,12 +147,7 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
     number = np.full(HUB * nodes, FIXED)
     number[free] = starts[-1] + np.arange(len(free))
     on_shaft = sp.csr_array((np.ones(len(free)), (free, number[free])), shape=(HUB * nodes, size))
-    bases = []
-    for start, wheel, table, place in zip(starts, wheels, tables, line.wheels, strict=False):
-        hub = np.zeros((HUB, HUB * nodes))
-        ways = np.array(FREE[table.unknowns])
-        hub[ways, HUB * place.node + ways] = 1.0
-        bases.append(_basis(wheel, int(start), size, sp.csr_array(hub) @ on_shaft))
+    bases = wheel_bases(line, wheels, on_shaft)
     forms = {name: on_shaft.T @ (form @ on_shaft) for name, form in shaft.forms.items()}
     loads = {name: on_shaft.T @ load for name, load in shaft.loads.items()}
     held_upright = any(one.unknowns == "two" for one in tables)
@@ -180,7 +175,7 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
         number_of = np.append(np.arange(wheel.size), FIXED)
         number_of[inner_dofs(wheel)] = start + np.arange(wheel.size - HUB)
         dofs.append(number_of[wheel.contact_dofs])
-        ahead = _start(line, place, wheel) - _start(line, line.wheels[0], first)
+        ahead = wheel_start(line, place, wheel) - wheel_start(line, line.wheels[0], first)
         positions.append(wheel.contact_position + np.array([0.0, 0.0, ahead]))
     rotor = LineRotor(
         **{each.name: getattr(first, each.name) for each in fields(Superelement)}
@@ -201,7 +196,28 @@ def line_rotor(line: LineModel, wheels: Sequence[Superelement]) -> OnLine:
     return OnLine(rotor, tuple(damped), _forces(line, number, size), rigid)
 
 
-def _start(line: LineModel, place: WheelOnLine, wheel: Superelement) -> float:
+def wheel_bases(
+    line: LineModel, wheels: Sequence[Superelement], line_rows: sp.csr_array
+) -> list[sp.csr_array]:
+    """Return the coordinates of each wheel as rows on those of the rotor, (n of the wheel, n).
+
+    Args:
+        line: the shaft line.
+        wheels: wheels with hubs in the order of `line.wheels`.
+        line_rows: see `LineRotor`.
+    """
+    displacements, size = line_rows.shape
+    starts = np.cumsum([0, *(wheel.size - HUB for wheel in wheels)]).tolist()
+    bases, tables = list[sp.csr_array](), line.table.every_wheel
+    for start, wheel, table, place in zip(starts, wheels, tables, line.wheels, strict=False):
+        hub = np.zeros((HUB, displacements))
+        ways = np.array(FREE[table.unknowns])
+        hub[ways, HUB * place.node + ways] = 1.0
+        bases.append(_basis(wheel, start, size, sp.csr_array(hub) @ line_rows))
+    return bases
+
+
+def wheel_start(line: LineModel, place: WheelOnLine, wheel: Superelement) -> float:
     """Return the position along the line at which the file of a wheel begins to count z [m]."""
     assert wheel.hub_position is not None
     return float(line.position[place.node] - wheel.hub_position[2])

@@ -40,6 +40,7 @@ from bladewhirl.models.stage.damaged_rotor import (
     damaged_rotor,
 )
 from bladewhirl.models.stage.excitations import excitation_loads
+from bladewhirl.models.stage.further_wheels import further_arrays
 from bladewhirl.models.stage.kept_modes import KeptModes
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.modal_loads import Load, Start
@@ -326,6 +327,7 @@ class RotorOnLine(StageOnLine, Matrices):
             wheel_origin=float(self.line.position[self.line.wheels[0].node] - hub[2]),
             bearing_name=table.named(),
             bearing_node=np.array([self.line.node(each.position) for each in table.bearings]),
+            **further_arrays(self.line, self.wheels, self.part, self._shapes),
         )
 
 

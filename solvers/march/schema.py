@@ -33,7 +33,7 @@ DRAW, POINT = "draw", "point"
 table."""
 
 OPTIONAL_DIMENSIONS = frozenset(
-    {"support", "rotor_link", "rotor_spring", "mass", "point", "triangle"}
+    {"support", "rotor_link", "rotor_spring", "mass", "point", "triangle", "further_triangle"}
 )
 """Dimensions whose length may be zero. Their variables are then left out of a file, because netCDF
 treats a dimension of length zero as unlimited."""
@@ -58,9 +58,10 @@ class Variable(NamedTuple):
     motion of the "centre", its "springs", "growth" of the tips, contact "nodes" whose motion is
     recorded, "points" for pictures, "gauges", "stress" at points, "waves" and "waves of stress" of
     equal sectors, from which the shapes of all points follow, a flexible "casing", a "coating",
-    several "wheels" with walls, "rings" around them, a "speed" that varies, "critical" speeds in
-    its range, a known "inertia" of the rotation, the "drive" of a free speed, sudden "changes", a
-    shaft "line" and its "wheel", friction "joints", "dampers" in them; "" for all."""
+    several "wheels" with walls, "rings" around them, "further wheels" of a shaft line and their
+    "further points", a "speed" that varies, "critical" speeds in its range, a known "inertia" of
+    the rotation, the "drive" of a free speed, sudden "changes", a shaft "line" and its "wheel",
+    friction "joints", "dampers" in them; "" for all."""
     values: str
     """Allowed values: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any."""
     labels: tuple[str, ...]

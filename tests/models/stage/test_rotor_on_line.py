@@ -590,6 +590,24 @@ def test_rings_of_several_wheels_follow_each_other(folder: Path) -> None:
     assert stage.clearance_key(2 * nodes - 1) == "shaft_line.wheels.0.casing.clearance"
 
 
+def test_points_of_a_further_wheel_move_as_its_contact_nodes(folder: Path) -> None:
+    stage = stage_of(two_wheels(folder, 0.6, RINGS, reduction={"free_interface_modes": 12}))
+    arrays = stage.arrays
+    own = np.flatnonzero(arrays.wheel == 1)
+    angle, axial = arrays.tip_angle[own], arrays.axial_position[own]
+    outward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    nodes = np.column_stack([arrays.contact_radius[own, None] * outward, axial])
+    apart = np.linalg.norm(nodes[:, None] - arrays.further_point, axis=-1)
+    assert apart.min(axis=1).max() < 1e-12
+    moved = arrays.further_point_shape[apart.argmin(axis=1)]
+    radial = np.einsum("nd,ndm->nm", outward, moved[:, :2])
+    expected = arrays.contact_shape[own]
+    np.testing.assert_allclose(radial, expected[:, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(moved[:, 2], expected[:, 2], rtol=0, atol=1e-12)
+    assert set(arrays.further_point_wheel) == {1}
+    assert arrays.further_triangle.max() == len(arrays.further_point) - 1
+
+
 def test_walls_of_several_wheels_are_round_and_of_one_type(folder: Path) -> None:
     with pytest.raises(CaseError, match=r'wheels\[0\].casing.type = "rigid": expected "ring", as'):
         two_wheels(folder, 0.6, WALLS, casing={"type": "ring", "clearance": 1e-4})
