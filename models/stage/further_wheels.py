@@ -6,13 +6,18 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.plane import rotate
 from bladewhirl.models.shaft_line.line import LineModel
 from bladewhirl.models.shaft_line.rotor import LineRotor, X, Y, wheel_bases, wheel_start
 from bladewhirl.models.superelements.superelement import HUB, Superelement
 
 
 def further_arrays(
-    line: LineModel, wheels: Sequence[Superelement], rotor: LineRotor, shapes: FloatArray
+    line: LineModel,
+    wheels: Sequence[Superelement],
+    rotor: LineRotor,
+    shapes: FloatArray,
+    turn: float,
 ) -> dict[str, Any]:
     """Return the arrays of further wheels in a result by name: the shapes of their centres, and
     points, triangles and shapes of those whose files give them.
@@ -22,6 +27,7 @@ def further_arrays(
         wheels: its wheels with their hubs, the first one first.
         rotor: the rotor at rest.
         shapes: displacements of its coordinates for unit modal coordinates, (n, modes).
+        turn: angle by which all wheels are turned [rad].
     """
     (first, *others), modes = wheels, shapes.shape[1]
     if not others:
@@ -40,9 +46,11 @@ def further_arrays(
         points.append(wheel.points + np.array([0.0, 0.0, ahead]))
         rows.append(np.asarray(wheel.recovery @ (basis @ shapes)).reshape(-1, 3, modes))
     return {
-        "further_centre_shape": np.stack([moved[place.node, [X, Y]] for place in places]),
-        "further_point": np.concatenate(points),
-        "further_point_shape": np.concatenate(rows),
+        "further_centre_shape": rotate(
+            np.stack([moved[place.node, [X, Y]] for place in places]), turn, axis=1
+        ),
+        "further_point": rotate(np.concatenate(points), turn),
+        "further_point_shape": rotate(np.concatenate(rows), turn, axis=1),
         "further_point_wheel": np.repeat(np.arange(len(own)), own),
         "further_triangle": np.concatenate([np.zeros((0, 3), dtype=np.int64), *triangles]),
     }

@@ -327,7 +327,7 @@ class RotorOnLine(StageOnLine, Matrices):
             wheel_origin=float(self.line.position[self.line.wheels[0].node] - hub[2]),
             bearing_name=table.named(),
             bearing_node=np.array([self.line.node(each.position) for each in table.bearings]),
-            **further_arrays(self.line, self.wheels, self.part, self._shapes),
+            **further_arrays(*(self.line, self.wheels, self.part, self._shapes, self.table.angle)),
         )
 
 

@@ -211,8 +211,9 @@ class EnlargedStage(EnlargedWall):
         """Return distances at all points (point,) that grow along the radius of each blade from
         zero to `whole` (blade,), so that the blade is shortened evenly."""
         radius, along = np.hypot(*self.body.rest[:, :2].T), np.zeros(len(self.body.rest))
-        for blade in np.intersect1d(np.flatnonzero(whole), self.body.blade):
-            own = self.body.blade == blade
+        first = int(self._dataset["blade"].values[0])  # of a further wheel not 0
+        for blade in np.intersect1d(np.flatnonzero(whole), self.body.blade - first):
+            own = self.body.blade - first == blade
             root, tip = radius[own].min(), radius[own].max()
             along[own] = whole[blade] * (radius[own] - root) / (tip - root)
         return along
@@ -306,6 +307,29 @@ class EnlargedStage(EnlargedWall):
             plane = plane - drawn[index, :, None] * unit(rest[:, :2])
         flat = magnify(rest[:, :2], plane, self.centre[index], self.factor)
         return np.column_stack([flat, rest[:, 2] + self.factor * moved[:, 2]])
+
+
+def enlarged_wheels(
+    wheels: Sequence[xr.Dataset], records: IntArray, *, factor: float | None, **divided: int
+) -> list[EnlargedStage]:
+    """Return the drawn positions of the wheels of a rotor with one factor: the smallest of those
+    chosen for each of them when None.
+
+    Args:
+        wheels: result of each wheel.
+        records: numbers of records.
+        factor: factor of displacements and clearance.
+        divided: `pieces` and `per_element`, see `EnlargedStage`.
+
+    Raises:
+        ViewError: see `EnlargedStage`.
+    """
+    stages = [EnlargedStage(one, records, factor=factor, **divided) for one in wheels]
+    least = min(stage.factor for stage in stages)
+    return [
+        stage if stage.factor == least else EnlargedStage(one, records, factor=least, **divided)
+        for one, stage in zip(wheels, stages, strict=True)
+    ]
 
 
 def _largest(vectors: Array) -> float:

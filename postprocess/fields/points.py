@@ -202,12 +202,13 @@ def _of_solids(dataset: xr.Dataset) -> Points:
         blade = dataset["blade"].values[KDTree(nodes).query(rest)[1]]
     loss, lost = lost_blades(dataset), dict[str, Any]()
     if loss is not None:
-        own = [np.flatnonzero(blade == number) for number in loss.blades]
+        gone = loss.blades[np.isin(loss.blades, blade)]  # none of further wheels
+        own = [np.flatnonzero(blade == number) for number in gone]
         roots = [each[np.hypot(*rest[each, :2].T).argmin()] for each in own]
         lost = {
             "lost_from": loss.time,
-            "lost": np.concatenate(own),
-            "cut": np.repeat(roots, [len(each) for each in own]),
+            "lost": np.concatenate([np.zeros(0, dtype=np.int64), *own]),
+            "cut": np.repeat(np.array(roots, dtype=np.int64), [len(each) for each in own]),
         }
     modes = dataset.sizes["rotor_mode"]
     if has_stresses(dataset):

@@ -2,15 +2,17 @@
 wall with its coating, a hub, a shaft line with its bearings."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple, get_args
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
-from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage, enlarged_wheels
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.netcdf import has
+from bladewhirl.postprocess.fields.wheels import each_wheel
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.shaft import ShaftSolids
 from bladewhirl.postprocess.pictures.solids import HUB, Placed, Solid, hub_of, tube, tube_triangles
@@ -62,10 +64,11 @@ class Group(NamedTuple):
 
 class Body:
     """Stage of which `Drawing` makes pictures: beams with their supports in the ring of the wall,
-    seen along the axis; or a surface of triangles, with the inner face of the wall around it.
+    seen along the axis; or surfaces of triangles, one for each wheel of a shaft line, with the
+    inner face of the wall around each.
 
     Args:
-        dataset: a result.
+        dataset: a result, of several wheels one `with_surfaces`.
         records: numbers of the records.
         factor: factor of displacements and clearance, chosen when None.
         around: true to show the wall around the axis, cut open in front of the tips; false for the
@@ -89,17 +92,20 @@ class Body:
         views = [each for each in get_args(View) if each != "line"]
         if view not in (None, *views):
             raise ViewError(f"view must be one of {', '.join(views)}, got {view!r}")
-        per_element = -(-RING_STATIONS // dataset.sizes.get("casing_node", 1))
-        #: drawn positions
-        self.stage = stage = EnlargedStage(
-            dataset, records, factor=factor, pieces=BEAM_STATIONS, per_element=per_element
+        #: result of each wheel
+        self.wheels = each_wheel(dataset)
+        per_element = -(-RING_STATIONS // self.wheels[0].sizes.get("casing_node", 1))
+        #: drawn positions of each wheel
+        self.stages = enlarged_wheels(
+            self.wheels, records, factor=factor, pieces=BEAM_STATIONS, per_element=per_element
         )
-        self.points = points = stage.body
+        self.stage = stage = self.stages[0]  #: those of the first
+        points = stage.body
         if points.cells.shape[1] == 1:
             raise ViewError(NO_SURFACE)
         if points.flat and view not in (None, "axial"):
             raise ViewError(f'view = "{view}": beams lie in a plane; expected "axial"')
-        target = MARK * stage.nodes[dataset["blade"].values == 0].mean(axis=0)
+        target = MARK * stage.nodes[self.wheels[0]["blade"].values == 0].mean(axis=0)
         away = np.linalg.norm(stage.rest - target, axis=1)
         self._mark = int(np.argmin(np.where(points.blade == 0, away, away + 2 * stage.tip_radius)))
         self._groups: list[Group] = []
@@ -111,7 +117,8 @@ class Body:
             self._look(dataset, records, view or "oblique", around=around)
         self.solids = tuple(solid for group in self._groups for solid in group.solids)
         """Parts of the stage in space; beams and their wall are ribbons."""
-        self.nodes = self._placed(stage.rest if points.flat else stage.nodes, 0.0)[..., :2]
+        nodes = [each.rest if points.flat else each.nodes for each in self.stages]
+        self.nodes = self._placed(np.concatenate(nodes), 0.0)[..., :2]
         """Points of beams, nodes first, or contact nodes of a surface, at rest (node, 2) [m]."""
 
     def _look(self, dataset: xr.Dataset, records: IntArray, view: View, *, around: bool) -> None:
@@ -130,20 +137,23 @@ class Body:
         # The wall is cut open in front of the tips, whose nodes lie at its inner face.
         wall = Solid(triangles=around_arc, shows="wall", hides=False)
         strips = [Solid(triangles=around_arc, colour=COATING, hides=False) for _ in self._strips]
-        self._groups = [
-            Group([Solid(triangles=self.points.cells, shows="disk")], self._disk),
-            Group([wall, *strips], self._walls),
-        ]
+        disks = [Solid(triangles=each.body.cells, shows="disk") for each in self.stages]
+        self._groups = [Group(disks, self._disks)]
+        for number in range(len(self.stages)):
+            self._groups.append(Group([wall, *strips], partial(self._walls, number)))
         if around and gap:
             self._open = np.linspace(ahead - gap, ahead + gap, WALL_STATIONS)
             thread = Solid(triangles=around_arc, colour=OPEN_EDGE, edges=OPEN_EDGE, hides=False)
-            self._groups.append(Group([thread, thread], self._threads))
-        hub = hub_of(self.points, stage.rest, 0.5 * stage.tip_radius) if around else None
-        if hub is not None:
-            self._groups.append(Group([HUB], lambda *at: [Placed(self._placed(hub, at[1]))]))
+            for each in self.stages:
+                self._groups.append(Group([thread, thread], partial(self._threads, each)))
+        for each in self.stages if around else ():
+            hub = hub_of(each.body, each.rest, 0.5 * each.tip_radius)
+            if hub is not None:
+                self._groups.append(Group([HUB], partial(self._hub, hub)))
         if has(dataset, "wheel") and around:
             shaft = ShaftSolids(dataset, records, stage)
-            self._focus = middle_of([stage.rest, *shaft.places(0, 0.0, 0.0)], self._axes)
+            rests = [each.rest for each in self.stages]
+            self._focus = middle_of([*rests, *shaft.places(0, 0.0, 0.0)], self._axes)
             self._groups.append(
                 Group(
                     shaft.solids,
@@ -168,27 +178,41 @@ class Body:
             ribbons=rotate(stage.sides(index, points, wall), rotor),
             wall=edges,
             stations=stations,
-            tips=self._placed(stage.contact_nodes(index), rotor),
+            tips=np.concatenate(
+                [self._placed(each.contact_nodes(index), rotor) for each in self.stages]
+            ),
             centre=self._placed(np.append(centre, 0.0), rotor),
             mark=self._placed(points[self._mark], rotor),
             symbols=symbols,
             solids=[each for group in self._groups for each in group.place(index, rotor, casing)],
         )
 
-    def _disk(self, index: int, rotor: float, _: float) -> list[Placed]:
-        """Return the bladed disk at the index-th record, turned by an angle [rad]."""
-        return [Placed(self._placed(self.stage.points(index), rotor))]
+    def _disks(self, index: int, rotor: float, _: float) -> list[Placed]:
+        """Return the bladed disks at the index-th record, turned by an angle [rad]; stations are
+        their points, of one disk after another."""
+        first, placed = 0, list[Placed]()
+        for stage in self.stages:
+            stations = first + np.arange(len(stage.rest))
+            placed.append(Placed(self._placed(stage.points(index), rotor), stations))
+            first += len(stations)
+        return placed
 
-    def _walls(self, index: int, _: float, casing: float) -> list[Placed]:
-        """Return the wall at the index-th record, turned by an angle [rad], and the strips of its
-        coating if there is one, whose stations are those of one track after another."""
-        stage, at = self.stage, self._arc - casing
+    def _hub(self, hub: Array, _: int, rotor: float, __: float) -> list[Placed]:
+        """Return a hub, turned by an angle [rad]."""
+        return [Placed(self._placed(hub, rotor))]
+
+    def _walls(self, wheel: int, index: int, _: float, casing: float) -> list[Placed]:
+        """Return the wall of a wheel at the index-th record, turned by an angle [rad], and the
+        strips of its coating if there is one; stations are those of one wall, or of one track of
+        the only coating, after another."""
+        stage, at = self.stages[wheel], self._arc - casing
         wall = stage.wall(index)[:, 0]
         number = np.round(at * len(wall) / (2 * np.pi)).astype(np.int64) % len(wall)
+        number += wheel * len(wall)
 
         metal = _radius(stage.inner(index, stage.coating), at)
         none = np.full_like(number, -1)  # a coating has values on its inner face only
-        outer = metal + stage.wall_thickness[number]
+        outer = metal + stage.wall_thickness[number % len(wall)]
         layers = [(metal, outer, np.repeat(number, 4), *stage.edges)]
         for track, first, last in self._strips:
             worn = stage.wear[index, track] if track >= 0 else 0.0
@@ -207,10 +231,10 @@ class Body:
             for low, high, stations, first, last in layers
         ]
 
-    def _threads(self, index: int, _: float, casing: float) -> list[Placed]:
-        """Return both edges of the inner face of the wall where it is cut open, as thin threads, at
+    def _threads(self, stage: EnlargedStage, index: int, _: float, casing: float) -> list[Placed]:
+        """Return both edges of the inner face of a wall where it is cut open, as thin threads, at
         the index-th record, turned by an angle [rad]."""
-        stage, at = self.stage, self._open - casing
+        at = self._open - casing
         face, thick = stage.wall(index)[:, 0], THREAD * stage.tip_radius
 
         def line(edge: float, out: float, aside: float) -> Array:

@@ -5,7 +5,7 @@ and of the wall have different values, because bending strains differ; both side
 surface have the same value.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from typing import NamedTuple, get_args
@@ -85,20 +85,30 @@ def _largest(*values: Array) -> float:
     return max(float(np.max(np.abs(v[np.isfinite(v)]), initial=0.0)) for v in values)
 
 
+Wheel = tuple[xr.Dataset, Points]
+"""Result of a wheel, and its points."""
+
+
+class Values(NamedTuple):
+    """True values of a field on a wheel, see `Colouring`."""
+
+    points: Array
+    nodes: Array
+    casing: Array
+
+
 def colouring(
-    dataset: xr.Dataset,
-    points: Points,
+    wheels: Sequence[Wheel],
     field: Field,
     records: IntArray,
     per_element: int,
     *,
     rotating: bool,
 ) -> Colouring:
-    """Return the values of a field at some records.
+    """Return the values of a field at some records, of several wheels one after another.
 
     Args:
-        dataset: a result.
-        points: points of the bladed disk.
+        wheels: result of each wheel, and the points of its bladed disk.
         field: field, or "part" for the parts of the stage.
         records: numbers of the records.
         per_element: number of pieces of an element of the casing, or of a rigid wall.
@@ -111,43 +121,14 @@ def colouring(
     """
     if field not in get_args(Field):
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
-    none = np.full((len(records), len(points.rest), 1), np.nan)
-    nodes = np.full((len(records), dataset.sizes["contact_node"]), np.nan)
-    coated = has(dataset, "coating")
-    found = Recovered(field.replace("-", " "), "m", signed=False)
     if field == "part":
-        return _parts(dataset, points, records, per_element)
-    if field in points.recovered:
-        found = points.recovered[field]
-        values = found.at(records)
-    elif field in MAGNITUDES:
-        found = found._replace(unit="m/s" if field == "velocity" else "m")
-        values = _magnitudes(dataset, points, field, records, rotating)[..., None]
-    elif field == "gap":
-        found = found._replace(name="gap to the coating" if coated else "gap at the tip")
-        gap = history(dataset, "gap", records)
-        if coated:
-            gap = gap - coating_left(dataset, records)
-        nodes = masked(dataset.isel(time=records), gap)
-        values = none
-    elif field == "wear":
-        found, values = found._replace(name="removed depth"), none
-    elif field in JOINT_FIELDS:
-        found = found._replace(**JOINT_FIELDS[field]._asdict())
-        nodes, values = at_joint_nodes(dataset, field, records), none
-    else:
-        shown = ", ".join((*MAGNITUDES, *points.recovered, "gap", "wear", "part", *JOINT_FIELDS))
-        raise ViewError(
-            f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
-            f" its file has stress_recovery; expected {shown}"
-        )
-    casing = _casing(dataset, points, field, records, per_element, rotating)
+        return _parts(wheels, records, per_element)
+    found = _described(*wheels[0], field)
+    each = [_values(*wheel, field, records, per_element, rotating=rotating) for wheel in wheels]
+    values, nodes, casing = (np.concatenate(parts, axis=1) for parts in zip(*each, strict=True))
     if not found.signed:
         casing = np.abs(casing)
-    normalised = is_normalised(dataset)
-    values = np.array(np.broadcast_to(values, (*values.shape[:2], 2)))
-    gone = dataset["time"].values[records] >= points.lost_from
-    values[np.ix_(gone, points.lost.astype(np.int64))] = np.nan
+    normalised = is_normalised(wheels[0][0])
     largest = _largest(values, nodes), _largest(casing)
 
     parts = None
@@ -174,6 +155,61 @@ def colouring(
         wall=scale(largest[1], "wall"),
         parts=parts,
     )
+
+
+def _described(dataset: xr.Dataset, points: Points, field: Field) -> Recovered:
+    """Return name and unit of a field, and whether it has a sign.
+
+    Raises:
+        ViewError: the stage does not have the field.
+    """
+    found = Recovered(field.replace("-", " "), "m", signed=False)
+    if field in points.recovered:
+        return points.recovered[field]
+    if field in MAGNITUDES:
+        return found._replace(unit="m/s" if field == "velocity" else "m")
+    if field == "gap":
+        coated = has(dataset, "coating")
+        return found._replace(name="gap to the coating" if coated else "gap at the tip")
+    if field == "wear":
+        return found._replace(name="removed depth")
+    if field in JOINT_FIELDS:
+        return found._replace(**JOINT_FIELDS[field]._asdict())
+    shown = ", ".join((*MAGNITUDES, *points.recovered, "gap", "wear", "part", *JOINT_FIELDS))
+    raise ViewError(
+        f'colour = "{field}": a superelement has no strains of its surface, and stress only if'
+        f" its file has stress_recovery; expected {shown}"
+    )
+
+
+def _values(
+    dataset: xr.Dataset,
+    points: Points,
+    field: Field,
+    records: IntArray,
+    per_element: int,
+    *,
+    rotating: bool,
+) -> Values:
+    """Return the values of a field on a wheel; a further wheel has no stress."""
+    values = np.full((len(records), len(points.rest), 1), np.nan)
+    nodes = np.full((len(records), dataset.sizes["contact_node"]), np.nan)
+    if field in points.recovered:
+        values = points.recovered[field].at(records)
+    elif field in MAGNITUDES:
+        values = _magnitudes(dataset, points, field, records, rotating)[..., None]
+    elif field == "gap":
+        gap = history(dataset, "gap", records)
+        if has(dataset, "coating"):
+            gap = gap - coating_left(dataset, records)
+        nodes = masked(dataset.isel(time=records), gap)
+    elif field in JOINT_FIELDS:
+        nodes = at_joint_nodes(dataset, field, records)
+    casing = _casing(dataset, points, field, records, per_element, rotating)
+    values = np.array(np.broadcast_to(values, (*values.shape[:2], 2)))
+    gone = dataset["time"].values[records] >= points.lost_from
+    values[np.ix_(gone, points.lost.astype(np.int64))] = np.nan
+    return Values(values, nodes, casing)
 
 
 def is_normalised(dataset: xr.Dataset) -> bool:
@@ -240,18 +276,19 @@ def _casing(
     return _on_both_sides(np.linalg.norm(values, axis=-1))
 
 
-def _parts(dataset: xr.Dataset, points: Points, records: IntArray, per_element: int) -> Colouring:
+def _parts(wheels: Sequence[Wheel], records: IntArray, per_element: int) -> Colouring:
     """Return the colouring by parts: the parts of the rotor in mesh order, then the casing. A
     surface is one part."""
-    shown = dict(zip(points.parts, cycle(PART_COLOURS)))
-    part = np.broadcast_to(points.part[:, None], (len(records), len(points.part), 2))
-    stations = len(kinematics.wall_angles(dataset, per_element))
+    shown = dict(zip(wheels[0][1].parts, cycle(PART_COLOURS)))
+    part = np.concatenate([points.part for _, points in wheels])
+    nodes = sum(dataset.sizes["contact_node"] for dataset, _ in wheels)
+    stations = len(wheels) * len(kinematics.wall_angles(wheels[0][0], per_element))
     all_parts = shown | {"casing": COLOURS["casing"]}
     scale = _numbered(all_parts)
     return Colouring(
         name="part",
-        points=part.astype(np.float64),
-        nodes=np.full((len(records), dataset.sizes["contact_node"]), np.nan),
+        points=np.tile(part[:, None].astype(np.float64), (len(records), 1, 2)),
+        nodes=np.full((len(records), nodes), np.nan),
         casing=np.full((len(records), stations, 2), float(len(shown))),
         disk=scale,
         wall=scale,

@@ -22,7 +22,7 @@ from bladewhirl.postprocess.fields.by_blade import (
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.lost_blades import masked
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
+from bladewhirl.postprocess.fields.wheels import with_surfaces
 from bladewhirl.postprocess.pictures.bodies import COATING, Body
 from bladewhirl.postprocess.pictures.choices import Field, Frame, View
 from bladewhirl.postprocess.pictures.colouring import colouring, is_normalised
@@ -107,14 +107,14 @@ class Drawing:
     ) -> None:
         if frame not in (None, "static", "rotating"):
             raise ViewError(f'frame must be "static" or "rotating", got {frame!r}')
-        dataset = of_first_wheel(dataset)
+        dataset = with_surfaces(dataset)
         several = blade_count(dataset) > 1
         self.frame: Frame = frame or ("static" if several else "rotating")
         rotating = self.frame == "rotating"
         self.around = several or not rotating  #: whether the axis is in the picture
         self._dataset, self._colour = dataset, colour
         self._body = body = Body(dataset, records, exaggeration, around=self.around, view=view)
-        self.points = body.points  #: points of the bladed disk at rest
+        self.points = [each.body for each in body.stages]  #: points of each bladed disk at rest
         self.solids = body.solids  #: triangles and colours of the solids
         if colour == "wear":  # of the coating, not of the wall behind it
             self.solids = tuple(
@@ -127,7 +127,7 @@ class Drawing:
         self._stage = stage = body.stage
         self.records = records
         self.exaggeration = stage.factor
-        self.largest_displacement = stage.largest_displacement
+        self.largest_displacement = max(each.largest_displacement for each in body.stages)
         self.normalised = is_normalised(dataset)  #: whether the amplitude is arbitrary
         self.times = dataset["time"].values[records]
         self.speeds = rotation.speeds(dataset)[records]  #: at each record [rad/s]
@@ -143,9 +143,11 @@ class Drawing:
         every_tip = np.zeros((len(every), dataset.sizes["contact_node"]))
         self.lost = np.isnan(masked(dataset, every_tip)[records])
         """Whether each contact node is lost (record, contact_node)."""
-        per_element = len(stage.angle) // dataset.sizes.get("casing_node", 1)
+        per_element = len(stage.angle) // body.wheels[0].sizes.get("casing_node", 1)
         self.colouring = colouring(
-            dataset, body.points, colour, records, per_element, rotating=rotating
+            [*zip(body.wheels, self.points, strict=True)],
+            *(colour, records, per_element),
+            rotating=rotating,
         )
 
     @property
@@ -178,7 +180,8 @@ class Drawing:
         """Return the displacement [m] at which a linear model has an error of a tenth; None if all
         displacements at these records are smaller."""
         limit = WRONG_BY_A_TENTH * self._blade_length
-        return limit if self._body.stage.largest_bend > limit else None
+        largest = max(each.largest_bend for each in self._body.stages)
+        return limit if largest > limit else None
 
     def reach(self) -> tuple[float, float]:
         """Return the largest distance of the drawn stage, and of tips in contact, from the middle
@@ -219,7 +222,7 @@ class Drawing:
         return Picture(
             time=float(self.times[index]),
             speed=float(self.speeds[index]),
-            rotor=Ribbon(sides=shape.ribbons, values=body.points.stations(values)),
+            rotor=Ribbon(sides=shape.ribbons, values=self.points[0].stations(values)),
             casing=Ribbon(sides=shape.wall, values=colours.casing[index][shape.stations]),
             solids=tuple(
                 Surface(placed.points, self._values(index, solid, placed))
@@ -239,12 +242,11 @@ class Drawing:
 
     def _values(self, index: int, solid: Solid, placed: Placed) -> Array:
         """Return the values of the field on a solid at the index-th record (point,)."""
-        if solid.shows == "disk":
-            return np.asarray(self.colouring.points[index, :, 0])
-        values, at = self.colouring.casing[index], placed.stations
+        at = placed.stations
         if solid.shows is None or not len(at):
             return np.full(len(placed.points), np.nan)
-        return np.where(at < 0, np.nan, values[at % len(values), 0])
+        shown = self.colouring.points if solid.shows == "disk" else self.colouring.casing
+        return np.where(at < 0, np.nan, shown[index, at % shown.shape[1], 0])
 
 
 def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -> Array:

@@ -14,7 +14,7 @@ from bladewhirl.meshes.plane import unit
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.by_blade import blade_starts
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
+from bladewhirl.postprocess.fields.wheels import with_surfaces
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.choices import Field
 from bladewhirl.postprocess.pictures.colouring import Scale
@@ -35,11 +35,11 @@ def flat_stage(dataset: xr.Dataset, record: int, colour: Field) -> xr.Dataset:
         Dataset: `outline` (polygon, corner, axis) [m] as drawn, `value` (polygon,) of the field in
         the unit of its scale, nan without a value, and `shade` (polygon, rgb), the colour; `arrow`
         (contact_node, arrow_corner, axis) [m], outlines of contact forces; `number_place`
-        (numbered, axis) [m], beside the tips of the first wheel that are seen; for the scales of
+        (numbered, axis) [m], beside the tips that are seen; for the scales of
         rotor and wall, named by their labels, `limits` (scale, end) and `colours` (scale, level).
         The attribute `notes` is a text.
     """
-    dataset = of_first_wheel(dataset)
+    dataset = with_surfaces(dataset)
     drawing = Drawing(dataset, np.array([record]), colour=colour)
     picture, field = drawing.picture(0), drawing.colouring
     reach = max(drawing.reach())

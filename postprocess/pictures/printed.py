@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from bladewhirl.postprocess.fields.by_blade import blade_starts
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
+from bladewhirl.postprocess.fields.wheels import with_surfaces
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import Pixels, off_screen_plotter, pixels_of
@@ -35,7 +35,7 @@ def print_still(
         ViewError: the path does not end in .png.
         OffScreenError: the system cannot draw without a display.
     """
-    target, dataset = checked_target(path, ".png"), of_first_wheel(dataset)
+    target, dataset = checked_target(path, ".png"), with_surfaces(dataset)
     drawing = Drawing(dataset, np.array([record]), **view)
     (path,) = save_figure(printed(dataset, drawing, width), target)
     return path

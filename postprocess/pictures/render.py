@@ -15,7 +15,7 @@ from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields import kinematics, rotation
 from bladewhirl.postprocess.fields.by_blade import of_blades
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
+from bladewhirl.postprocess.fields.wheels import with_surfaces
 from bladewhirl.postprocess.pictures import films
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing
@@ -114,7 +114,7 @@ def render_still(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
-    dataset = of_first_wheel(dataset)
+    dataset = with_surfaces(dataset)
     drawing = Drawing(dataset, np.array([record]), **view)
     trail = _revolution_before(dataset, record) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture:
@@ -143,7 +143,7 @@ def render_animation(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".gif", ".mp4")
-    dataset = of_first_wheel(dataset)
+    dataset = with_surfaces(dataset)
     drawing = Drawing(dataset, records, **view)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / films.FRAME_RATE / seconds if seconds else 1.0
@@ -175,7 +175,7 @@ def render_sheet(
         OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
-    dataset = of_first_wheel(dataset)
+    dataset = with_surfaces(dataset)
     drawing = Drawing(dataset, records, **view)
     with stage_view(dataset, drawing, (round(cell / SQUARE), cell), sheet=True) as picture:
         cells = [

@@ -40,7 +40,8 @@ class Placed(NamedTuple):
 
     points: Array  #: places, and distance towards the viewer (point, 3) [m]
     stations: IntArray = NO_STATIONS
-    """Station of the wall whose value is at each point, -1 for none (point,)."""
+    """Station of the walls, or point of the disks, whose value is at each point, -1 for none
+    (point,)."""
 
 
 def tube(*corners: Array) -> Array:

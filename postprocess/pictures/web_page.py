@@ -6,7 +6,7 @@ them (`web_page.html`).
 
 import base64
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import LOSS
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import Points
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
+from bladewhirl.postprocess.fields.wheels import with_surfaces
 from bladewhirl.postprocess.pictures import appearance as look
 from bladewhirl.postprocess.pictures.colouring import Colouring
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
@@ -60,7 +60,7 @@ def film_page(
     dataset: xr.Dataset, records: IntArray, *, progress: Progress | None = None, **view: Any
 ) -> str:
     """Return the text of the page, see `render_page`."""
-    dataset = of_first_wheel(dataset)
+    dataset = with_surfaces(dataset)
     drawing = Drawing(dataset, records, **view)
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - look.LONGEST_ARROW)) * look.MARGIN
@@ -186,12 +186,13 @@ def _packed(values: NDArray[Any]) -> str:
     return base64.b64encode(zlib.compress(values.tobytes())).decode()
 
 
-def _members(points: Points) -> dict[str, list[str]]:
-    """Return the name of the member that each beam and each point of a surface belongs to."""
-    beams = points.stations(points.member)[:, 0]
-    of_points = points.member[: 0 if points.flat else None]
-    names = [[points.members[number] for number in numbers] for numbers in (beams, of_points)]
-    return dict(zip(("members", "ofPoints"), names, strict=True))
+def _members(wheels: Sequence[Points]) -> dict[str, list[str]]:
+    """Return the name of the member that each beam and each point of the surfaces belongs to."""
+    first = wheels[0]
+    beams = [first.members[number] for number in first.stations(first.member)[:, 0]]
+    surfaces = [points for points in wheels if not points.flat]
+    of_points = [points.members[number] for points in surfaces for number in points.member]
+    return {"members": beams, "ofPoints": of_points}
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:

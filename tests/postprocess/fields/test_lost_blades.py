@@ -62,7 +62,7 @@ def test_lost_blades_vanish_from_pictures(run: tuple[xr.Dataset, dict[str, float
     assert [len(drawing.picture(n).blade_forces) for n in range(4)] == [9, 9, 7, 7]
     # What has flown away has no stress that would set the scale.
     values = Drawing(result, records, colour="stress").colouring.points
-    none = [np.isnan(drawing.points.stations(each)).all(axis=(1, 2)) for each in values]
+    none = [np.isnan(drawing.points[0].stations(each)).all(axis=(1, 2)) for each in values]
     assert not np.any(none[:2])
     assert [np.flatnonzero(each).tolist() for each in none[2:]] == 2 * [sorted(lines)]
 

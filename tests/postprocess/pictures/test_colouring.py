@@ -22,7 +22,7 @@ SHIFT: dict[str, Any] = {
 def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> tuple[Colouring, Array]:
     """Colouring, and the values of beams in it (record, line, station, side)."""
     points = points_of(result, 2)
-    colours = colouring(result, points, field, RECORDS, 9, rotating=rotating)
+    colours = colouring([(result, points)], field, RECORDS, 9, rotating=rotating)
     beams = np.array([points.stations(values) for values in colours.points])
     lines, nodes = result.sizes["rotor_line"], result.sizes["casing_node"]
     assert beams.shape == (2, lines, 3, 2)

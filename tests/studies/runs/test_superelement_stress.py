@@ -362,7 +362,7 @@ def test_a_run_writes_the_largest_stress_with_a_hint(tmp_path: Path) -> None:
         figure, _ = figures.draw("stress")
         assert len(figure.axes) == 2
         points = points_of(result, 1)
-        shown = colouring(result, points, "stress", records[:3], 1, rotating=True)
+        shown = colouring([(result, points)], "stress", records[:3], 1, rotating=True)
         assert (shown.name, shown.disk.unit, shown.disk.limits[0]) == (
             "von Mises stress",
             "MPa",
