@@ -70,7 +70,7 @@ def with_surfaces(dataset: xr.Dataset) -> xr.Dataset:
 
 def each_wheel(dataset: xr.Dataset) -> list[xr.Dataset]:
     """Return for each wheel of a result `with_surfaces` the result of this wheel alone, with its
-    points and without stresses if it is not the first."""
+    points; the shaft and stresses are in that of the first."""
     first, *others = wheel_numbers(dataset)
     return [of_wheel(dataset, first), *(_further(dataset, number) for number in others)]
 
@@ -87,6 +87,6 @@ def _further(dataset: xr.Dataset, number: int) -> xr.Dataset:
     }
     part = of_wheel(dataset, number)
     of_first = [str(name) for name in part.variables if name in STAGE]
-    of_first = [name for name in of_first if STAGE[name].part in ("points", "stress")]
+    of_first = [name for name in of_first if STAGE[name].part in ("points", "stress", "wheel")]
     found = {name: (STAGE[name].dimensions, each) for name, each in values.items()}
     return part.drop_vars(of_first).assign(found)

@@ -22,7 +22,6 @@ from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nod
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.points import contact_nodes
-from bladewhirl.postprocess.fields.wheels import of_first_wheel
 from bladewhirl.postprocess.paraview.boxes import (
     ARC_POINTS,
     BEAM_PIECES,
@@ -47,7 +46,7 @@ class StageParts:
     shaft line.
 
     Args:
-        dataset: a result with a casing, see `with_wall`.
+        dataset: a result of one wheel with a casing, see `with_wall`.
         records: numbers of records.
         surface: true for boxes of true thickness and width of beams, false for lines.
         rotating: true for rotating axes, false for static axes.
@@ -68,7 +67,6 @@ class StageParts:
         rotating: bool,
         exaggeration: float | None = None,
     ) -> None:
-        dataset = of_first_wheel(dataset)
         self._dataset, self._rotating = dataset, rotating
         self._pieces = BEAM_PIECES if surface else 1
         self._per_element = -(-ARC_POINTS // dataset.sizes["casing_node"])

@@ -31,7 +31,8 @@ from bladewhirl.postprocess.fields.kinematics import (
     turn,
 )
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
-from bladewhirl.postprocess.paraview.parts import UP, StageParts
+from bladewhirl.postprocess.paraview.parts import UP
+from bladewhirl.postprocess.paraview.rotor_parts import RotorParts
 from bladewhirl.postprocess.paraview.shaft_line import (
     LINE_PARTS,
     LineGrids,
@@ -117,9 +118,10 @@ def export_vtk(
     `contact.foreshortening` blades are drawn back in `warp`, and not in `displacement`.
 
     Separate blades, whose file does not contain a disk, have the part `hub`, a ring below them with
-    zero `displacement` and `warp`. A shaft line has the parts `shaft`, its surface, and `bearings`,
-    rings that move with the supports, with `displacement` and `warp`; without a wheel it has no
-    others.
+    zero `displacement` and `warp`. Of several wheels on a shaft line a part is one grid of those of
+    all wheels; further wheels have no stress. A shaft line has the parts `shaft`, its surface, and
+    `bearings`, rings that move with the supports, with `displacement` and `warp`; without a wheel
+    it has no others.
 
     With `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and
     all vectors are in rotating axes. Frames of an earlier export are removed; files that are not
@@ -151,7 +153,7 @@ def export_vtk(
         )
     dataset = with_wall(dataset)
     look: dict[str, Any] = {"surface": surface, "rotating": rotating, "exaggeration": exaggeration}
-    parts = StageParts(dataset, records, **look)
+    parts = RotorParts(dataset, records, **look)
     others: dict[str, meshio.Mesh | str] = {
         "view.py": view_script(_about(dataset, records, parts, **look))
     }
@@ -262,7 +264,7 @@ def _write_index(path: Path, entries: list[str]) -> None:
 def _about(
     dataset: xr.Dataset,
     records: IntArray,
-    parts: StageParts,
+    parts: RotorParts,
     *,
     surface: bool,
     rotating: bool,
@@ -292,7 +294,7 @@ def _about(
     }
 
 
-def _colours(parts: StageParts, of_rotor: str, normalised: bool) -> dict[str, dict[str, Any]]:
+def _colours(parts: RotorParts, of_rotor: str, normalised: bool) -> dict[str, dict[str, Any]]:
     """Return for each part with values: array, factor, label, end of the scale, and its colours as
     shares and RGB values; a mode has an arbitrary amplitude."""
     found = {}
@@ -318,19 +320,25 @@ def _colours(parts: StageParts, of_rotor: str, normalised: bool) -> dict[str, di
 
 
 def _view(
-    dataset: xr.Dataset, parts: StageParts, view: View, record: int, rotating: bool
+    dataset: xr.Dataset, parts: RotorParts, view: View, record: int, rotating: bool
 ) -> dict[str, Any]:
     """Return camera and middle, half the height of the picture [m], and origins and normals of
     planes beyond which the wall is cut off: in front of the tips of a single blade at a record, so
     that forces on them are seen."""
-    stage, around = parts.drawn, rotating is False or blade_count(dataset) > 1
-    axes, focus = axes_of_view(stage, view, around=around)
-    wall, shaft = np.pad(stage.wall_at_rest(), ((0, 0), (0, 1))), parts.shaft
+    stages, around = parts.drawn, rotating is False or blade_count(dataset) > 1
+    axes, focus = axes_of_view(stages[0], view, around=around)
+    rests, shaft = [stage.rest for stage in stages], parts.shaft
+    middles = [float(np.mean(stage.edges)) for stage in stages]
+    walls = [
+        np.insert(stage.wall_at_rest(), 2, middle - middles[0], axis=1)
+        for stage, middle in zip(stages, middles, strict=True)
+    ]
     if len(shaft):
-        focus = middle_of([stage.rest, shaft], axes)
-    seen = (np.vstack([stage.rest, wall, shaft]) if around else stage.rest) - focus
+        focus = middle_of([*rests, shaft], axes)
+    seen = np.vstack([*rests, *walls, shaft] if around else rests) - focus
     gap, ahead = opening(axes[2])
-    middle = stage.inner_radius.max() * np.cos(gap) * directions(ahead)
+    inner = min(stage.inner_radius.max() for stage in stages)
+    middle = inner * np.cos(gap) * directions(ahead)
     planes = [(np.append(middle, 0.0), np.append(directions(ahead), 0.0))] if gap else []
     if not around:  # the wall near the blade
         angle, tips = dataset["tip_angle"].values, parts.tips(record)
