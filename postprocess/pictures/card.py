@@ -53,7 +53,8 @@ NEAR = 0.1  #: an engine order is near a frequency if they differ by less, relat
 
 
 def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) -> xr.Dataset:
-    """Compute what the card shows, of several wheels with walls that of the first.
+    """Compute what the card shows: a picture of the stage with all wheels, and figures, of several
+    wheels with walls those of the first.
 
     Args:
         result: result of a run.
@@ -69,11 +70,11 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
         rotating axes, and `diameter_share` (mode, nodal_diameter) [1] of `diameter_shares`; with a
         shaft line `bearing_force` (time, bearing) [N], the magnitudes of `line_bearing_forces`.
     """
-    wheels, result = len(wheel_numbers(result)), of_first_wheel(result)
+    whole, result = result, of_first_wheel(result)
     peak, force = largest_force(result), mean_forces(result).values
     between = contact_force(result)["normal"].max("blade")
     record = int((between if peak["force"] else result["energy"]).values.argmax())
-    stage = flat_stage(result, record, "displacement" if stresses is None else "stress")
+    stage = flat_stage(whole, record, "displacement" if stresses is None else "stress")
     split = xr.Dataset() if stresses is None else haigh(stresses)
     seen = whole_run(unrolled(result))
     names = ["rotor_backward_frequency", "rotor_forward_frequency"]
@@ -105,7 +106,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             effects=table_of_result(result, "rotation", Rotation).effects,
             averaged_over=peak["averaged_over"],
             blades=blade_count(result),
-            wheels=wheels,
+            wheels=len(wheel_numbers(whole)),
             shown_time=float(result["time"][record]),
             loss_time=loss.time if loss else np.inf,
             joints=int(has(result, "joints")),
@@ -142,7 +143,7 @@ def plot_card(data: xr.Dataset) -> Figure:
     (_draw_bearings if "bearing_force" in data else _draw_campbell)(below, data)
     about = [data.attrs["case_title"], *about_run(data)]
     if (wheels := data.attrs["wheels"]) > 1:
-        about.append(f"the first of {wheels} wheels with walls")
+        about.append(f"diagrams of the first of {wheels} wheels with walls")
     lines = [
         ", ".join(map(str, about)),
         *textwrap.wrap(verdict(data), LINE),
