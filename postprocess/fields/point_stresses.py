@@ -17,6 +17,7 @@ from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, history
 from bladewhirl.postprocess.fields.lost_blades import lost_blades
 from bladewhirl.postprocess.fields.netcdf import has
+from bladewhirl.postprocess.fields.wheels import EVERY_FORCE
 
 ROOT = np.sqrt(3.0)
 VON_MISES = np.array(
@@ -111,7 +112,8 @@ class PointStresses:
     def terms_at(self, records: IntArray) -> Array:
         """Return the five terms [Pa] at records, see `terms`."""
         motion = history(self._dataset, "rotor_displacement", records)
-        return self.terms(motion, self._dataset["contact_force"].isel(time=records).values)
+        name = EVERY_FORCE if EVERY_FORCE in self._dataset else "contact_force"
+        return self.terms(motion, history(self._dataset, name, records))
 
     def at(self, records: IntArray, terms: Array | None = None) -> Array:
         """Return the von Mises stress [Pa], (record, point), of one copy after another; zero for

@@ -31,6 +31,7 @@ from bladewhirl.postprocess.fields.point_stresses import PointStresses, has_stre
 from bladewhirl.postprocess.fields.strains import rotor_sections, rotor_strain_rows
 
 NO_POINTS = "expected a superelement whose file has points and recovery"
+WITHOUT_WALL = "wheel without a wall"  #: name of a wheel whose blades have no numbers
 NO_VALUES = np.zeros((0, 0, 0))
 
 
@@ -184,7 +185,7 @@ def _of_beams(dataset: xr.Dataset, pieces: int) -> Points:
 
 
 def _of_solids(dataset: xr.Dataset) -> Points:
-    if not dataset.sizes["contact_node"]:
+    if not (dataset.sizes["contact_node"] or has(dataset, "points")):
         raise ViewError(
             "expected a bladed disk; `bladewhirl export` writes a series of a shaft line"
         )
@@ -198,7 +199,9 @@ def _of_solids(dataset: xr.Dataset) -> Points:
     cells = dataset["triangle"].values if "triangle" in dataset else np.arange(points)[:, None]
     nodes, recovered = contact_nodes(dataset), dict[str, Recovered]()
     blade = np.repeat(np.arange(copies), points)
-    if copies == 1:  # with several blades, that of the nearest contact node
+    if not len(nodes):  # a wheel without a wall, whose blades are not known
+        blade = np.full(len(rest), -1)
+    elif copies == 1:  # with several blades, that of the nearest contact node
         blade = dataset["blade"].values[KDTree(nodes).query(rest)[1]]
     loss, lost = lost_blades(dataset), dict[str, Any]()
     if loss is not None:
@@ -220,8 +223,8 @@ def _of_solids(dataset: xr.Dataset) -> Points:
         rest=rest,
         cells=np.vstack([cells + points * number for number in range(copies)]),
         blade=blade,
-        members=[f"blade {number}" for number in range(blade.max() + 1)],
-        member=blade,
+        members=[f"blade {number}" for number in range(blade.max() + 1)] or [WITHOUT_WALL],
+        member=np.maximum(blade, 0),
         parts=["bladed disk"],
         part=np.zeros(len(rest), dtype=np.int64),
         shape=dataset["point_shape"].values,

@@ -16,6 +16,11 @@ WHEELS = {
 """Dimensions with parts of all wheels, and variables with the wheel of each part."""
 
 
+EVERY_FORCE = "every_contact_force"
+"""Variable with `contact_force` on the nodes of all wheels in the result of one of them: all forces
+have a part in the stresses of a wheel."""
+
+
 def wheel_numbers(dataset: xr.Dataset) -> list[int]:
     """Return the numbers of the wheels with a wall, 0 for the first or only one."""
     names = [*_parted(dataset).values()]
@@ -46,7 +51,14 @@ def _of_wheels(dataset: xr.Dataset, numbers: Iterable[int]) -> xr.Dataset:
         dimension: np.flatnonzero(np.isin(dataset[name].values, [*numbers]))
         for dimension, name in _parted(dataset).items()
     }
-    return dataset.isel(chosen) if chosen else dataset
+    if not chosen:
+        return dataset
+    part = dataset.isel(chosen)
+    if "stress_by_force" not in part.variables or EVERY_FORCE in part.variables:
+        return part
+    force = dataset["contact_force"]
+    of_nodes = [name for name, each in force.coords.items() if "contact_node" in each.dims]
+    return part.assign({EVERY_FORCE: force.drop_vars(of_nodes).rename(contact_node="pushed_node")})
 
 
 def of_first_wheel(dataset: xr.Dataset) -> xr.Dataset:
@@ -60,23 +72,35 @@ def with_surfaces(dataset: xr.Dataset) -> xr.Dataset:
     numbers = wheel_numbers(dataset)
     if len(numbers) == 1:
         return dataset
-    shown = np.zeros(0, dtype=np.int64)
-    if "triangle" in dataset and "further_triangle" in dataset:
-        corners = dataset["further_triangle"].values[:, 0]
-        shown = np.unique(dataset["further_point_wheel"].values[corners])
-    left = [0, *np.intersect1d(shown, numbers).tolist()]
+    left = [0, *np.intersect1d(_with_surface(dataset), numbers).tolist()]
     return dataset if left == numbers else _of_wheels(dataset, left)
+
+
+def _with_surface(dataset: xr.Dataset) -> list[int]:
+    """Return the numbers of the further wheels that pictures can show."""
+    if "triangle" not in dataset or "further_triangle" not in dataset:
+        return []
+    corners = dataset["further_triangle"].values[:, 0]
+    return [int(number) for number in np.unique(dataset["further_point_wheel"].values[corners])]
+
+
+def wheels_without_wall(dataset: xr.Dataset) -> list[xr.Dataset]:
+    """Return the results of further wheels without a wall: their points, and no contact node."""
+    numbers = np.setdiff1d(_with_surface(dataset), wheel_numbers(dataset))
+    part = dataset.isel(contact_node=slice(0))
+    return [_with_points(dataset, part, number) for number in numbers.tolist()]
 
 
 def each_wheel(dataset: xr.Dataset) -> list[xr.Dataset]:
     """Return for each wheel of a result `with_surfaces` the result of this wheel alone, with its
     points; the shaft and stresses are in that of the first."""
     first, *others = wheel_numbers(dataset)
-    return [of_wheel(dataset, first), *(_further(dataset, number) for number in others)]
+    further = [_with_points(dataset, of_wheel(dataset, number), number) for number in others]
+    return [of_wheel(dataset, first), *further]
 
 
-def _further(dataset: xr.Dataset, number: int) -> xr.Dataset:
-    """Return the result of a further wheel alone."""
+def _with_points(dataset: xr.Dataset, part: xr.Dataset, number: int) -> xr.Dataset:
+    """Return a part of a result with the points of a further wheel, without the shaft."""
     own = np.flatnonzero(dataset["further_point_wheel"].values == number)
     triangles = dataset["further_triangle"].values
     values = {
@@ -85,7 +109,6 @@ def _further(dataset: xr.Dataset, number: int) -> xr.Dataset:
         "point_shape": dataset["further_point_shape"].values[own],
         "triangle": triangles[np.isin(triangles[:, 0], own)] - own[0],
     }
-    part = of_wheel(dataset, number)
     of_first = [str(name) for name in part.variables if name in STAGE]
     of_first = [name for name in of_first if STAGE[name].part in ("points", "stress", "wheel")]
     found = {name: (STAGE[name].dimensions, each) for name, each in values.items()}

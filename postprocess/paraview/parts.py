@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
-from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.enlarged import EnlargedDisk, EnlargedStage
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.fields.netcdf import has
@@ -160,40 +160,29 @@ class StageParts:
     ) -> meshio.Mesh:
         """Return the bladed disk at a record, turned by an angle [rad], without lost cells."""
         dataset, body, boxes, records = self._dataset, stage.body, self._beams, np.array([record])
+        if boxes is None:
+            return surface_grid(
+                *(dataset, stage, index, record, turn, points), rotating=self._rotating
+            )
         spin = 0.0 if self._rotating else rotation.speeds(dataset)[record]
         lost = body.lost if stage.gone[index] else body.lost[:0]
-        if boxes is None:
-            moved, rate = (
-                body.moved(dataset[f"rotor_{name}"][record].values)
-                for name in ("displacement", "velocity")
-            )
-            recovered = {
-                field.name.lower().replace(" ", "_"): field.at(records)[0, :, 0]
-                for field in body.recovered.values()
-            }
-            fields = _fields(body.rest, moved, rate + spin * np.cross(UP, moved), turn, recovered)
-            kept = ~np.isin(body.cells, lost).all(axis=1)
-            kind = {1: "vertex", 3: "triangle"}[body.cells.shape[1]]
-            rest, drawn, cells = body.rest, points, body.cells
-            of_cells = {"part": body.part[cells[:, 0]], "blade": body.blade[cells[:, 0]]}
-        else:
-            rest, line = boxes.points(), body.stations(points)
-            sides = stage.sides(index, points, wall)[:, :, SIDES] if boxes.solid else line[..., :2]
-            drawn = np.column_stack([sides.reshape(-1, 2), rest[:, 2]])
-            fields = self._strained(boxes, rest, records, spin, turn)
-            element = {
-                "part": body.stations(body.part)[:, 0],
-                "blade": body.stations(body.blade)[:, 0],
-                "thickness": dataset["rotor_thickness"].values,
-            }
-            gap = history(dataset, "gap", records)[0]
-            of_lines = np.where(element["blade"] >= 0, gap[element["blade"]], self._clearance)
-            fields["gap"] = np.repeat(of_lines, len(rest) // len(of_lines))
-            first = len(body.rest) - body.thickness.size
-            gone = np.isin(first + len(line[0]) * np.arange(len(line)), lost)
-            kept = boxes.on_cells(~gone)
-            kind, cells = "hexahedron" if boxes.solid else "line", boxes.cells()
-            of_cells = {name: boxes.on_cells(values) for name, values in element.items()}
+        rest, line = boxes.points(), body.stations(points)
+        sides = stage.sides(index, points, wall)[:, :, SIDES] if boxes.solid else line[..., :2]
+        drawn = np.column_stack([sides.reshape(-1, 2), rest[:, 2]])
+        fields = self._strained(boxes, rest, records, spin, turn)
+        element = {
+            "part": body.stations(body.part)[:, 0],
+            "blade": body.stations(body.blade)[:, 0],
+            "thickness": dataset["rotor_thickness"].values,
+        }
+        gap = history(dataset, "gap", records)[0]
+        of_lines = np.where(element["blade"] >= 0, gap[element["blade"]], self._clearance)
+        fields["gap"] = np.repeat(of_lines, len(rest) // len(of_lines))
+        first = len(body.rest) - body.thickness.size
+        gone = np.isin(first + len(line[0]) * np.arange(len(line)), lost)
+        kept = boxes.on_cells(~gone)
+        kind, cells = "hexahedron" if boxes.solid else "line", boxes.cells()
+        of_cells = {name: boxes.on_cells(values) for name, values in element.items()}
         fields |= _drawn(rest, drawn, fields["displacement"], stage.centre[index], turn)
         shown = {name: [values[kept]] for name, values in of_cells.items()}
         return meshio.Mesh(rotate(rest, turn), [(kind, cells[kept])], fields, shown)
@@ -364,6 +353,45 @@ class StageParts:
             },
             cell_data={"part": [first + np.repeat(np.arange(len(HOLDERS)), count)]},
         )
+
+
+def surface_grid(
+    dataset: xr.Dataset,
+    disk: EnlargedStage | EnlargedDisk,
+    index: int,
+    record: int,
+    turn: float,
+    points: Array,
+    *,
+    rotating: bool,
+) -> meshio.Mesh:
+    """Return the surface of a bladed disk at a record, turned by an angle, without lost cells.
+
+    Args:
+        dataset: result of the wheel.
+        disk: its drawn positions at several records.
+        index: position of the record among these.
+        record: number of the record.
+        turn: angle [rad].
+        points: drawn points (point, 3) [m].
+        rotating: true for velocities in rotating axes.
+    """
+    body, records = disk.body, np.array([record])
+    spin = 0.0 if rotating else rotation.speeds(dataset)[record]
+    lost = body.lost if disk.gone[index] else body.lost[:0]
+    moved, rate = (
+        body.moved(dataset[f"rotor_{name}"][record].values) for name in ("displacement", "velocity")
+    )
+    recovered = {
+        field.name.lower().replace(" ", "_"): field.at(records)[0, :, 0]
+        for field in body.recovered.values()
+    }
+    fields = _fields(body.rest, moved, rate + spin * np.cross(UP, moved), turn, recovered)
+    fields |= _drawn(body.rest, points, fields["displacement"], disk.centre[index], turn)
+    kind, cells = {1: "vertex", 3: "triangle"}[body.cells.shape[1]], body.cells
+    kept = ~np.isin(cells, lost).all(axis=1)
+    shown = {"part": [body.part[cells[kept, 0]]], "blade": [body.blade[cells[kept, 0]]]}
+    return meshio.Mesh(rotate(body.rest, turn), [(kind, cells[kept])], fields, shown)
 
 
 def _fields(

@@ -8,21 +8,22 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.enlarged import EnlargedStage
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
-from bladewhirl.postprocess.fields.wheels import each_wheel, with_surfaces
-from bladewhirl.postprocess.paraview.parts import StageParts
+from bladewhirl.postprocess.fields.enlarged import EnlargedDisk, EnlargedStage
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, turn
+from bladewhirl.postprocess.fields.wheels import each_wheel, wheels_without_wall, with_surfaces
+from bladewhirl.postprocess.paraview.parts import StageParts, surface_grid
 
 
 class RotorParts:
     """Grids of the parts of all wheels, which have one `exaggeration`: a part such as `rotor` or
-    `casing` is one grid of those of all wheels.
+    `casing` is one grid of those of all wheels; wheels without a wall are the last of `rotor`.
 
     Args:
         dataset: a result with a casing, see `with_wall`.
         records: numbers of records.
         exaggeration: factor of clearance and displacement in `warp`; chosen when None.
-        look: `surface` and `rotating`, see `StageParts`.
+        surface: see `StageParts`.
+        rotating: likewise.
 
     Raises:
         ViewError, ResultError: see `StageParts`.
@@ -33,9 +34,12 @@ class RotorParts:
         dataset: xr.Dataset,
         records: IntArray,
         *,
+        surface: bool,
+        rotating: bool,
         exaggeration: float | None,
-        **look: bool,
     ) -> None:
+        look = {"surface": surface, "rotating": rotating}
+        self._records, self._rotating = records, rotating
         wheels = each_wheel(with_surfaces(dataset))
         parts = [StageParts(one, records, exaggeration=exaggeration, **look) for one in wheels]
         self.exaggeration = least = min(each.exaggeration for each in parts)
@@ -44,6 +48,10 @@ class RotorParts:
             if own.exaggeration == least
             else StageParts(one, records, exaggeration=least, **look)
             for one, own in zip(wheels, parts, strict=True)
+        ]
+        self._angles = np.zeros(len(records)) if rotating else turn(dataset, records)
+        self._bare = [
+            (one, EnlargedDisk(one, records, factor=least)) for one in wheels_without_wall(dataset)
         ]
         first = self._each[0]
         self.names, self.body, self.shaft = first.names, first.body, first.shaft
@@ -59,17 +67,29 @@ class RotorParts:
         """Drawn positions of each wheel at the first record."""
         return [each.drawn for each in self._each]
 
+    @property
+    def rests(self) -> list[Array]:
+        """Drawn points of each disk at rest (point, 3) [m]."""
+        return [*(one.rest for one in self.drawn), *(disk.rest for _, disk in self._bare)]
+
     def tips(self, record: int) -> Array:
         """Return the drawn contact nodes at a record in rotating axes (contact_node, 3) [m]."""
         return np.concatenate([each.tips(record) for each in self._each])
 
     def grids(self) -> Iterator[dict[str, meshio.Mesh]]:
         """Yield the grids of the parts, by name, for each record."""
-        for each in zip(*(parts.grids() for parts in self._each), strict=True):
-            yield {
-                name: joined([grids[name] for grids in each if name in grids])
-                for name in self.grid_names
-            }
+        for index, each in enumerate(zip(*(one.grids() for one in self._each), strict=True)):
+            found = {name: [one[name] for one in each if name in one] for name in self.grid_names}
+            found["rotor"] += self._without_wall(index)
+            yield {name: joined(meshes) for name, meshes in found.items()}
+
+    def _without_wall(self, index: int) -> list[meshio.Mesh]:
+        """Return the surfaces of wheels without a wall at the index-th record."""
+        at = index, int(self._records[index]), float(self._angles[index])
+        return [
+            surface_grid(one, disk, *at, disk.points(index), rotating=self._rotating)
+            for one, disk in self._bare
+        ]
 
 
 def joined(meshes: Sequence[meshio.Mesh]) -> meshio.Mesh:

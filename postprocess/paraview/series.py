@@ -327,7 +327,7 @@ def _view(
     that forces on them are seen."""
     stages, around = parts.drawn, rotating is False or blade_count(dataset) > 1
     axes, focus = axes_of_view(stages[0], view, around=around)
-    rests, shaft = [stage.rest for stage in stages], parts.shaft
+    rests, shaft = parts.rests, parts.shaft
     middles = [float(np.mean(stage.edges)) for stage in stages]
     walls = [
         np.insert(stage.wall_at_rest(), 2, middle - middles[0], axis=1)

@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
-from bladewhirl.postprocess.fields.enlarged import EnlargedStage, enlarged_wheels
+from bladewhirl.postprocess.fields.enlarged import EnlargedDisk, EnlargedStage, enlarged_wheels
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.netcdf import has
-from bladewhirl.postprocess.fields.wheels import each_wheel
+from bladewhirl.postprocess.fields.wheels import each_wheel, wheels_without_wall
 from bladewhirl.postprocess.pictures.choices import View
 from bladewhirl.postprocess.pictures.shaft import ShaftSolids
 from bladewhirl.postprocess.pictures.solids import HUB, Placed, Solid, hub_of, tube, tube_triangles
@@ -92,7 +92,7 @@ class Body:
         views = [each for each in get_args(View) if each != "line"]
         if view not in (None, *views):
             raise ViewError(f"view must be one of {', '.join(views)}, got {view!r}")
-        #: result of each wheel
+        #: result of each wheel, those without a wall last
         self.wheels = each_wheel(dataset)
         per_element = -(-RING_STATIONS // self.wheels[0].sizes.get("casing_node", 1))
         #: drawn positions of each wheel
@@ -100,6 +100,13 @@ class Body:
             self.wheels, records, factor=factor, pieces=BEAM_STATIONS, per_element=per_element
         )
         self.stage = stage = self.stages[0]  #: those of the first
+        bare = wheels_without_wall(dataset)
+        self.wheels += bare
+        #: drawn positions of the disks of these wheels, and of wheels without a wall after them
+        self.disks: list[EnlargedStage | EnlargedDisk] = [
+            *self.stages,
+            *(EnlargedDisk(one, records, factor=stage.factor) for one in bare),
+        ]
         points = stage.body
         if points.cells.shape[1] == 1:
             raise ViewError(NO_SURFACE)
@@ -137,7 +144,7 @@ class Body:
         # The wall is cut open in front of the tips, whose nodes lie at its inner face.
         wall = Solid(triangles=around_arc, shows="wall", hides=False)
         strips = [Solid(triangles=around_arc, colour=COATING, hides=False) for _ in self._strips]
-        disks = [Solid(triangles=each.body.cells, shows="disk") for each in self.stages]
+        disks = [Solid(triangles=each.body.cells, shows="disk") for each in self.disks]
         self._groups = [Group(disks, self._disks)]
         for number in range(len(self.stages)):
             self._groups.append(Group([wall, *strips], partial(self._walls, number)))
@@ -152,7 +159,7 @@ class Body:
                 self._groups.append(Group([HUB], partial(self._hub, hub)))
         if has(dataset, "wheel") and around:
             shaft = ShaftSolids(dataset, records, stage)
-            rests = [each.rest for each in self.stages]
+            rests = [each.rest for each in self.disks]
             self._focus = middle_of([*rests, *shaft.places(0, 0.0, 0.0)], self._axes)
             self._groups.append(
                 Group(
@@ -191,9 +198,9 @@ class Body:
         """Return the bladed disks at the index-th record, turned by an angle [rad]; stations are
         their points, of one disk after another."""
         first, placed = 0, list[Placed]()
-        for stage in self.stages:
-            stations = first + np.arange(len(stage.rest))
-            placed.append(Placed(self._placed(stage.points(index), rotor), stations))
+        for disk in self.disks:
+            stations = first + np.arange(len(disk.rest))
+            placed.append(Placed(self._placed(disk.points(index), rotor), stations))
             first += len(stations)
         return placed
 

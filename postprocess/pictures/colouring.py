@@ -191,7 +191,8 @@ def _values(
     *,
     rotating: bool,
 ) -> Values:
-    """Return the values of a field on a wheel; a further wheel has no stress."""
+    """Return the values of a field on a wheel; a further wheel has no stress, and one without
+    contact nodes has no wall."""
     values = np.full((len(records), len(points.rest), 1), np.nan)
     nodes = np.full((len(records), dataset.sizes["contact_node"]), np.nan)
     if field in points.recovered:
@@ -205,7 +206,9 @@ def _values(
         nodes = masked(dataset.isel(time=records), gap)
     elif field in JOINT_FIELDS:
         nodes = at_joint_nodes(dataset, field, records)
-    casing = _casing(dataset, points, field, records, per_element, rotating)
+    casing = np.zeros((len(records), 0, 2))
+    if dataset.sizes["contact_node"]:
+        casing = _casing(dataset, points, field, records, per_element, rotating)
     values = np.array(np.broadcast_to(values, (*values.shape[:2], 2)))
     gone = dataset["time"].values[records] >= points.lost_from
     values[np.ix_(gone, points.lost.astype(np.int64))] = np.nan

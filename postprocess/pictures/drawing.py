@@ -114,7 +114,7 @@ class Drawing:
         self.around = several or not rotating  #: whether the axis is in the picture
         self._dataset, self._colour = dataset, colour
         self._body = body = Body(dataset, records, exaggeration, around=self.around, view=view)
-        self.points = [each.body for each in body.stages]  #: points of each bladed disk at rest
+        self.points = [each.body for each in body.disks]  #: points of each bladed disk at rest
         self.solids = body.solids  #: triangles and colours of the solids
         if colour == "wear":  # of the coating, not of the wall behind it
             self.solids = tuple(

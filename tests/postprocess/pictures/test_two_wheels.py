@@ -10,6 +10,7 @@ from solid_meshes import fan_sector, whole
 import bladewhirl as bw
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.file import write_superelement
+from bladewhirl.postprocess.fields.point_stresses import PointStresses
 from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.fields.wheels import of_wheel
 from bladewhirl.postprocess.paraview.rotor_parts import RotorParts
@@ -27,7 +28,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     file = tmp_path_factory.mktemp("wheels") / "fan.npz"
     steel: dict[str, Any] = {"young_modulus": 2.1e11, "poisson_ratio": 0.3, "density": 7850.0}
     mesh = whole(fan_sector(BLADES), BLADES)
-    write_superelement(file, mesh3d(mesh, **steel, stress=False, hub="root", hub_at="-5 mm"))
+    write_superelement(file, mesh3d(mesh, **steel, hub="root", hub_at="-5 mm"))
     fan = {"file": str(file), "copies": BLADES}
     case = bw.case_from(
         {
@@ -75,6 +76,14 @@ def test_all_wheels_are_drawn_with_one_factor(result: xr.Dataset) -> None:
     np.testing.assert_array_equal(picture.solids[1].values, values[len(picture.solids[0].points) :])
 
 
+def test_stress_is_that_of_the_first_wheel_under_all_forces(result: xr.Dataset) -> None:
+    shown = Drawing(result, LAST, colour="stress").colouring.points[0, :, 0]
+    points = result.sizes["point"]
+    np.testing.assert_array_equal(shown[:points], PointStresses(result).at(LAST)[0])
+    assert shown[:points].any()
+    assert np.isnan(shown[points:]).all()
+
+
 def test_a_series_has_the_parts_of_all_wheels(result: xr.Dataset) -> None:
     parts = RotorParts(with_wall(result), LAST, surface=False, rotating=True, exaggeration=FACTOR)
     (grids,) = parts.grids()
@@ -97,3 +106,26 @@ def test_a_file_without_a_surface_leaves_its_wheel_out(result: xr.Dataset) -> No
     picture = Drawing(bare, LAST).picture(0)
     assert len(picture.tips) == 2 * BLADES
     assert [solid.shows for solid in Drawing(bare, LAST).solids[:2]] == ["disk", "wall"]
+
+
+def test_a_wheel_without_a_wall_is_drawn_as_a_disk(result: xr.Dataset) -> None:
+    """The second wheel loses its wall and its contact nodes."""
+    both = Drawing(result, LAST, exaggeration=FACTOR).picture(0)
+    one = of_wheel(result, 0).drop_vars("wheel")
+    drawing = Drawing(one, LAST, exaggeration=FACTOR, colour="gap")
+    assert [solid.shows for solid in drawing.solids[:4]] == ["disk", "disk", "wall", None]
+    picture = drawing.picture(0)
+    assert len(picture.tips) == 2 * BLADES
+    # but for the difference of clearances, by which the blades in the wall are shorter
+    difference = FACTOR * 3e-4
+    np.testing.assert_allclose(
+        picture.solids[1].points, both.solids[1].points, atol=1.01 * difference
+    )
+    parts = [
+        RotorParts(with_wall(each), LAST, surface=False, rotating=False, exaggeration=FACTOR)
+        for each in (result, one)
+    ]
+    (whole, bare) = ({**next(each.grids())}["rotor"] for each in parts)
+    for name in ("displacement", "velocity", "deformation"):
+        np.testing.assert_array_equal(bare.point_data[name], whole.point_data[name])
+    assert set(bare.cell_data["blade"][0]) == {-1, *range(BLADES)}
