@@ -1,6 +1,7 @@
 """Stills and films of a whole shaft line with the orbits at its bearings."""
 
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.case.shaft_line import ShaftLine
+from bladewhirl.models.case.shaft_line import ShaftLine, Wheel
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields import rotation
 from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -25,6 +26,19 @@ from bladewhirl.postprocess.shaft_line.rotor import Rotor, draw_rotor, rotor_of
 SIZE, DPI, GIF_DPI = (8.0, 4.5), 160, 120  #: width and height [in], pixels per inch
 SHOWN = 1.0  #: largest deflection in a picture as a multiple of the largest radius of the shaft
 MOST = 4  #: largest number of bearings whose orbits have a panel
+
+
+def _further_wheels(
+    result: xr.Dataset, rows: list[dict[str, Any]]
+) -> Iterator[tuple[float, float]]:
+    """Yield position and radius [m] of the further wheels of which a result has points."""
+    if not has(result, "further points"):
+        return
+    radius = np.hypot(*result["further_point"].values[:, :2].T)
+    for number, row in enumerate(rows, start=1):
+        own = radius[result["further_point_wheel"].values == number]
+        if len(own):
+            yield Wheel(position=row["position"]).position, float(own.max())
 
 
 def is_line(result: xr.Dataset) -> bool:
@@ -69,9 +83,10 @@ def render_line(
     place, slope = moved[..., 0] + 1j * moved[..., 1], moved[..., 4] - 1j * moved[..., 3]
     supports = result["support_displacement"].values
     given = tomllib.loads(result.attrs["case"])["shaft_line"]
-    given.pop("wheels", None)  # whose files may have moved
+    further = given.pop("wheels", [])  # whose files may have moved
     table, title = ShaftLine(**given), str(result.attrs["title"])
     wheels = [] if table.wheel is None else [(table.wheel.position, result.attrs["tip_radius"])]
+    wheels += _further_wheels(result, further)
     rotor = rotor_of(table, result["shaft_position"].values, title=title, wheels=wheels)
     largest = float(np.abs(place[records]).max()) or 1.0
     factor = exaggeration or _rounded(SHOWN * float(rotor.radius.max()) / largest)

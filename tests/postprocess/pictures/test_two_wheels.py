@@ -15,6 +15,7 @@ from bladewhirl.postprocess.fields.rigid_wall import with_wall
 from bladewhirl.postprocess.fields.wheels import of_wheel
 from bladewhirl.postprocess.paraview.rotor_parts import RotorParts
 from bladewhirl.postprocess.pictures.drawing import Drawing
+from bladewhirl.postprocess.pictures.shaft_line import _further_wheels
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
@@ -129,3 +130,9 @@ def test_a_wheel_without_a_wall_is_drawn_as_a_disk(result: xr.Dataset) -> None:
     for name in ("displacement", "velocity", "deformation"):
         np.testing.assert_array_equal(bare.point_data[name], whole.point_data[name])
     assert set(bare.cell_data["blade"][0]) == {-1, *range(BLADES)}
+
+
+def test_the_view_of_the_line_has_disks_of_the_size_of_all_wheels(result: xr.Dataset) -> None:
+    ((position, radius),) = _further_wheels(result, [{"position": 0.3}])
+    assert position == 0.3
+    assert radius == pytest.approx(np.hypot(*result["point"].values[:, :2].T).max())
