@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.plane import directions, rotate
 from bladewhirl.postprocess.fields import kinematics, rotation
-from bladewhirl.postprocess.fields.enlarged import EnlargedDisk, EnlargedStage
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.enlarged_wheels import EnlargedDisk
 from bladewhirl.postprocess.fields.joint_nodes import JOINT_FIELDS, at_joint_nodes
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history
 from bladewhirl.postprocess.fields.netcdf import has

@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.enlarged import EnlargedDisk, EnlargedStage
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.enlarged_wheels import EnlargedDisk
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, turn
 from bladewhirl.postprocess.fields.wheels import each_wheel, wheels_without_wall, with_surfaces
 from bladewhirl.postprocess.paraview.parts import StageParts, surface_grid

@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.plane import directions, rotate, unit
-from bladewhirl.postprocess.fields.enlarged import EnlargedDisk, EnlargedStage, enlarged_wheels
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.enlarged_wheels import EnlargedDisk, enlarged_wheels
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.netcdf import has
 from bladewhirl.postprocess.fields.wheels import each_wheel, wheels_without_wall
