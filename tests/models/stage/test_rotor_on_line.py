@@ -549,14 +549,8 @@ RINGS: dict[float, dict[str, Any]] = {
 
 
 # the last of 120 is one of four of equal frequency
-@pytest.mark.parametrize(
-    ("walls", "modes"),
-    [
-        pytest.param(WALLS, 60, marks=pytest.mark.slow),
-        (WALLS, 120),
-        pytest.param(RINGS, 60, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("walls", "modes"), [(WALLS, 60), (WALLS, 120), (RINGS, 60)])
 def test_each_of_two_wheels_rubs_its_own_wall_whichever_is_first(
     walls: dict[float, dict[str, Any]], modes: int, folder: Path
 ) -> None:
