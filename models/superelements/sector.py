@@ -44,6 +44,8 @@ LARGE_FACE = 2500
 """Number of coordinates of a face from which the matrix of each nodal diameter is factorised by
 itself (measured: for sectors of 20,000 coordinates both ways then take the same time)."""
 
+AT_ONCE = 2  #: number of nodal diameters with large faces that are computed at the same time
+
 
 @contextmanager
 def sector_errors(stiffness: Fault) -> Iterator[None]:
@@ -91,11 +93,11 @@ class Sector:
         self.kept = np.setdiff1d(np.arange(part.size), part.right_dofs)
         """Coordinates that are not on the right face, (n,)."""
         waves, large = waves or sectors // 2 + 1, len(self.faces) >= 2 * LARGE_FACE
-        # The large fronts of a large face use all cores, and take much memory.
-        self._workers = 1 if large else min(cores(), waves)
-        self._threads = cores() if large and part.size >= LARGE else 1
+        # The large fronts of a large face take much memory, and one by one gain little from cores.
+        self._workers = min(cores(), waves, AT_ONCE if large else waves)
+        self._threads = max(cores() // AT_ONCE, 1) if large and part.size >= LARGE else 1
         announce(
-            *(part.size, modes, loads),
+            *(len(self.kept) if large else part.size, modes, loads),
             waves=waves,
             faces=0 if large else len(self.faces),
             workers=self._workers,
