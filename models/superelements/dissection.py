@@ -10,7 +10,11 @@ it, which follows from a largest matching of the groups on both sides (Koenig's 
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+from scipy.sparse.csgraph import (
+    breadth_first_order,
+    connected_components,
+    maximum_bipartite_matching,
+)
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
@@ -107,12 +111,14 @@ def _directions(graph: sp.csr_array) -> list[FloatArray]:
 
 def _distance(graph: sp.csr_array, start: int) -> FloatArray:
     """Return the number of edges from a group to each group of a connected graph."""
-    distance = np.full(graph.shape[0], -1.0)
-    front, steps = np.array([start]), 0
-    while len(front):
-        distance[front] = steps
-        around = np.unique(graph[front].indices)
-        front, steps = around[distance[around] < 0.0], steps + 1
+    order, before = breadth_first_order(graph, start)
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    reached_from, ends = place[before[order[1:]]], [0, 1]  # ascending; places where distances begin
+    while ends[-1] < len(order):
+        ends.append(1 + int(np.searchsorted(reached_from, ends[-1])))
+    distance = np.empty(len(order))
+    distance[order] = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
     return distance
 
 
