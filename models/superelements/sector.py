@@ -4,14 +4,15 @@ Only the coordinates on the two faces of a sector depend on the nodal diameter, 
 u_right = exp(i k alpha) R u_left of `cyclic`. With small faces the real matrix of all other
 coordinates is therefore factorised once. What is left on the faces is a dense Schur complement S,
 and the stiffness of nodal diameter k on the left face is T^H S T, with the tie T from the left face
-to both faces.
+to both faces, which is
 
-With large faces the dense matrices would take most of the time and memory. The tied matrix
+    A + cos(k alpha) (B + B^T) + i sin(k alpha) (B - B^T),
 
-    A + cos(k alpha) (B + B^T) + i sin(k alpha) (B - B^T)
+where B is between the left face and the right face.
 
-of each nodal diameter, where B is between the left face and the right face, is then factorised by
-itself, in one order of elimination for all.
+With large faces the dense matrices would take most of the time and memory. The tied sparse matrix
+of each nodal diameter, of the same form, is then factorised by itself, in one order of elimination
+for all.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -25,7 +26,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # has no types
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.machine import cores
 from bladewhirl.models.superelements.cholesky import Cholesky, Elimination
@@ -113,6 +114,12 @@ class Sector:
         threads = self._workers if part.size >= LARGE else 1  # more would slow small fronts
         with threadpool_limits(threads, user_api="blas"):
             self.factor = Cholesky.of(sp.csr_array(shifted), self.faces)
+            tie = sp.csr_array(transformation(part, sectors, 0))[self.faces]
+            self.left = np.unique(tie.indices)
+            """Coordinates of a wave on the left face, (l,)."""
+            right = np.isin(self.faces, part.right_dofs)
+            self.schur = _tied(self.factor.schur, sp.csr_array(tie[:, self.left]), right)
+            """Schur complement of the left face, real matrices A and B of each k, (l, l)."""
 
     def wave(self, k: int) -> "Wave":
         """Return the wave of a nodal diameter.
@@ -148,11 +155,7 @@ class _Tied:
     def __init__(self, matrix: sp.csr_array, part: Superelement, sectors: int) -> None:
         tie = sp.csr_array(transformation(part, sectors, 0))
         assert part.right_dofs is not None
-        right = np.zeros(part.size)
-        right[part.right_dofs[part.right_dofs != FIXED]] = 1.0
-        on = sp.csr_array(sp.diags_array(right) @ tie)
-        rest = sp.csr_array(tie - on)
-        own, across = rest.T @ matrix @ rest + on.T @ matrix @ on, rest.T @ matrix @ on
+        own, across = _tied(matrix, tie, np.isin(np.arange(part.size), part.right_dofs))
         patterns = (abs(own), abs(across), abs(across.T))
         whole = sp.csr_array(sum(patterns, sp.csr_array(own.shape)))
         self._angle, self._elimination = 2.0 * np.pi / sectors, Elimination.of(whole)
@@ -179,6 +182,19 @@ class _Tied:
         found = np.zeros(len(keys[0]))
         found[np.searchsorted(*keys)] = lower.data
         return found
+
+
+def _tied(matrix: Any, tie: sp.csr_array, right: BoolArray) -> tuple[Any, Any]:
+    """Return the real matrices A and B of tied matrices, see above, (n, n).
+
+    Args:
+        matrix: matrix of the sector, or of its faces, (m, m).
+        tie: tie of nodal diameter 0, (m, n).
+        right: whether a coordinate is on the right face, (m,).
+    """
+    on = sp.csr_array(sp.diags_array(right.astype(np.float64)) @ tie)
+    rest = sp.csr_array(tie - on)
+    return rest.T @ matrix @ rest + on.T @ matrix @ on, rest.T @ matrix @ on
 
 
 class Wave(Pencil):
@@ -211,11 +227,12 @@ class CondensedWave(Wave):
 
     def __init__(self, sector: Sector, k: int) -> None:
         super().__init__(sector, k)
-        on_faces = self.tie[sector.faces]
-        self._left = np.unique(on_faces.indices)
-        self._faces = sp.csr_array(on_faces[:, self._left])
-        half = sector.factor.schur @ self._faces
-        schur = (half.conj().T @ self._faces).conj().T
+        self._left = sector.left
+        self._faces = sp.csr_array(self.tie[sector.faces][:, self._left])
+        (own, across), angle = sector.schur, 2.0 * np.pi * k / sector.sectors
+        schur = own + np.cos(angle) * (across + across.T)
+        if self.kind is complex:
+            schur = schur + 1j * np.sin(angle) * (across - across.T)
         self._schur = la.cho_factor(schur, lower=True, overwrite_a=True)
 
     def shifted_solution(self, loads: Any) -> Any:
