@@ -61,16 +61,18 @@ def time_text(time: float, step: float) -> str:
     return f"t = {1e3 * time:.{decimals}f} ms"
 
 
-def contact_text(forces: Array) -> str:
+def contact_text(forces: Array, step: float) -> str:
     """Return a text with the number of blades in contact and the largest of the sizes of the
-    contact `forces` on the blades (blade,) [N]."""
+    contact `forces` on the blades (blade,) [N], which are means over a `step` [s]."""
     touching = int(np.count_nonzero(forces))
     if not touching:
         return "no contact"
-    largest = f"{handy(float(forces.max()), 'N', 3)}, with friction"
+    largest, over = handy(float(forces.max()), "N", 3), handy(step, "s", 3)
     if len(forces) == 1:
-        return f"blade in contact\nforce on all its nodes\n{largest}"
-    return f"{touching} of {len(forces)} blades in contact\nlargest force on a blade\n{largest}"
+        few, where = "blade in contact", "on all its nodes"
+    else:
+        few, where = f"{touching} of {len(forces)} blades in contact", "at most on a blade"
+    return f"{few}\n{largest} {where}\nwith friction, over {over}"
 
 
 def speed_text(reference: float, *speeds: float) -> str:

@@ -105,6 +105,7 @@ def card(result: xr.Dataset, stresses: xr.Dataset | None, energies: xr.Dataset) 
             regime=regime_title(regime.name, judged=regime.growth is not None),
             effects=table_of_result(result, "rotation", Rotation).effects,
             averaged_over=peak["averaged_over"],
+            record_step=result.attrs["record_step"],
             blades=blade_count(result),
             wheels=len(wheel_numbers(whole)),
             shown_time=float(result["time"][record]),
@@ -256,7 +257,8 @@ def _draw_history(axes: Axes, data: xr.Dataset) -> None:
     (curve,) = _draw_forces(axes, data, data["force_history"].values[:, None])
     curve.set_color(COLOURS["total"])
     axes.axvline(data.attrs["shown_time"], color=COLOURS["k = 1"], linewidth=0.9)
-    title = "largest force on a blade; orange: the instant drawn above"
+    over = handy(data.attrs["record_step"], "s", 3)
+    title = f"largest force on a blade, mean over {over};\norange: the instant drawn above"
     if data.attrs["loss_time"] <= time[-1]:
         axes.axvline(data.attrs["loss_time"], color=COLOURS["total"], linestyle="--", linewidth=0.7)
         title += "; dashed: the loss"

@@ -113,7 +113,7 @@ class Panel:
         self._show_speed(picture.speed)
         if self._touches:
             touched = bool(np.any(picture.blade_forces))
-            self._contact.input = look.contact_text(picture.blade_forces)
+            self._contact.input = look.contact_text(picture.blade_forces, self._drawing.record_step)
             self._contact.prop.color = look.FORCE_COLOUR if touched else look.FAINT
         self._numbers.show(picture)
         for inset in (self._orbit, self._line):

@@ -59,7 +59,7 @@ def printed(dataset: xr.Dataset, drawing: Drawing, width: float) -> Figure:
             look_of: dict[str, Any] = {"location": "bottom", "aspect": 40, "shrink": 0.8}
             scales = figure.colorbar(shown, ax=axes, label=f"{field.name}, {label}", **look_of)
             scales.ax.locator_params(nbins=5)
-    contact = look.contact_text(picture.blade_forces).replace("\n", ", ", 1)
+    contact = look.contact_text(picture.blade_forces, drawing.record_step).replace("\n", ", ", 1)
     size = look.enlargement(drawing.exaggeration, normalised=drawing.normalised)
     time = look.time_text(picture.time, drawing.record_step)
     none = [field.name] * (field.parts is None and not field.scales)

@@ -256,7 +256,7 @@ def _instants(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
             look.speed_text(reference, picture.speed) if picture.speed else ""
             for picture in pictures
         ],
-        "contact": [look.contact_text(picture.blade_forces) for picture in pictures],
+        "contact": [look.contact_text(one.blade_forces, drawing.record_step) for one in pictures],
         "lost": [np.unique(blades[lost]).tolist() for lost in drawing.lost],
         "touching": [np.any(picture.pushes, axis=1).astype(int).tolist() for picture in pictures],
     }

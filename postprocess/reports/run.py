@@ -39,6 +39,7 @@ from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_clas
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.extremes import largest_force, stress_split
 from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.histories import contact_force
 from bladewhirl.postprocess.run.measures import MARCH_REPORT, Motion
 from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
@@ -188,7 +189,10 @@ def _loads(dataset: xr.Dataset, stresses: xr.Dataset | None) -> list[tuple[str, 
     """Return the largest force, stress and wear: name, value, remark."""
     rows, force = [], largest_force(dataset)
     if force["force"]:
-        remark = f"mean over {handy(force['averaged_over'], 's', 3)}"
+        times = force["averaged_over"], float(dataset.attrs["record_step"])
+        over, step = (handy(one, "s", 3) for one in times)
+        largest = handy(float(contact_force(dataset)["normal"].max()), "N", 3)
+        remark = f"mean over {over}; over {step} up to {largest}"
         rows.append(("largest force on a blade", handy(force["on_blade"], "N", 3), remark))
     split = None if stresses is None else stress_split(stresses)
     if stresses is not None and split is not None:
