@@ -21,6 +21,7 @@ from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.reports.run import _glance
 from bladewhirl.postprocess.run.extremes import largest_force, stress_split
+from bladewhirl.postprocess.run.histories import contact_force
 from bladewhirl.postprocess.run.stresses import stress_history
 
 MARCHED = {
@@ -128,9 +129,12 @@ def test_reports_begin_with_force_stress_and_wear() -> None:
     """As tiles, with the numbers of the summary, for every kind of stage."""
     for kind in KINDS:
         run = run_of(kind)
-        tiles = {name: value for name, value, _ in _glance(run, stress_history(run))}
+        glance = _glance(run, stress_history(run))
+        tiles, remarks = ({row[0]: row[column] for row in glance} for column in (1, 2))
         force = largest_force(run)["on_blade"]
         assert tiles["largest force on a blade"] == handy(force, "N", 3)
+        over_a_record = handy(float(contact_force(run)["normal"].max()), "N", 3)
+        assert remarks["largest force on a blade"].endswith(f"up to {over_a_record}")
         split = stress_split(stress_history(run))
         assert split is not None
         assert tiles["alternating stress"] == handy(split["alternating"], "Pa", 3)
