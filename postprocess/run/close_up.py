@@ -31,6 +31,7 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import head
 
+MOST_DOTS = 100  #: largest number of records that are drawn as dots
 FEWEST = 12  #: smallest number of records on each side of the largest force
 BESIDE = 0.5  #: time shown on each side of the contact, divided by the time in contact
 BOXED: Mapping[str, Any] = {"frameon": True, "framealpha": 1.0, "edgecolor": "none"}
@@ -160,6 +161,10 @@ def plot_close_up(data: xr.Dataset) -> Figure:
     force.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
     for axes in (path, gap, force):
         axes.set_xlim(*np.sort(angle[[0, -1]]))
+        axes.xaxis.set_major_formatter(lambda at, _: f"{at % 360.0:g}")
+        if len(angle) > MOST_DOTS:
+            for line in axes.lines:
+                line.set_marker("")
     _draw_strobe(strobe, data)
     head(figure, data)
     return figure
@@ -178,8 +183,9 @@ def _draw_path(axes: Axes, data: xr.Dataset, angle: Array) -> None:
     axes.set(ylabel=f"radius less\nthat of the tip [{unit}]", ylim=(None, top))
     axes.legend(loc="best", **BOXED)
     several = f", contact node {data.attrs['node']}" if data.attrs["nodes"] > 1 else ""
-    when = handy(data.attrs["instant"], "s", 4)
-    axes.set_title(f"blade {data.attrs['blade']}{several}, largest force at {when}")
+    when = f"largest force at {handy(data.attrs['instant'], 's', 4)}"
+    lasting = ", contact all around" * bool(data["normal"].values.all())
+    axes.set_title(f"blade {data.attrs['blade']}{several}, {when}{lasting}")
 
 
 def _draw_strobe(axes: Axes, data: xr.Dataset) -> None:
@@ -193,7 +199,7 @@ def _draw_strobe(axes: Axes, data: xr.Dataset) -> None:
     axes.plot(x[~late], y[~late], ".", color=COLOURS["rest"], label="once a revolution")
     axes.plot(x[late], y[late], ".", color=COLOURS["total"], label="in the last third")
     here = int(np.abs(passed - data.attrs["instant"]).argmin())
-    axes.plot(x[here], y[here], "o", mfc="none", color=COLOURS["k = 1"], label="this pass")
+    axes.plot(x[here], y[here], "o", mfc="none", color=COLOURS["k = 1"], label="largest force")
     axes.margins(0.15)
     axes.locator_params(nbins=5)
     axes.set_xlabel(f"tangential displacement [{unit}]")

@@ -18,6 +18,8 @@ from bladewhirl.postprocess.run.stresses import LIMITS, utilisation
 NARROWEST = 0.1
 """Without limits the axis of the mean stress reaches at least this share of the largest alternating
 stress on both sides, of von Mises stresses, which have no sign, on one."""
+TOGETHER = 2.0  #: points at this distance or less share a label [points]
+BESIDE = [*reversed(AROUND)]  #: offsets of a label: beside its point first
 ROOM = 1.15  #: largest value of an axis, divided by the largest value drawn
 
 
@@ -105,8 +107,15 @@ def number_blades(axes: Axes, data: xr.Dataset) -> None:
         return
     labels = Labels(axes)
     labels.keep_free(mean[seen], alternating[seen])
-    for blade in sorted(seen, key=lambda number: number != data.attrs["worst"]):
-        labels.add(mean[blade], alternating[blade], str(blade), COLOURS["total"], AROUND)
+    places = axes.transData.transform(np.column_stack([mean, alternating]))
+    near = TOGETHER * axes.figure.dpi / 72.0
+    waiting = sorted(seen, key=lambda number: number != data.attrs["worst"])
+    while waiting:
+        apart = np.linalg.norm(places[waiting] - places[waiting[0]], axis=1)
+        group = [blade for blade, far in zip(waiting, apart, strict=True) if far < near]
+        text = ", ".join(str(blade) for blade in sorted(group))
+        labels.add(mean[group[0]], alternating[group[0]], text, COLOURS["total"], BESIDE)
+        waiting = [blade for blade in waiting if blade not in group]
 
 
 def _unit(data: xr.Dataset) -> tuple[str, float]:

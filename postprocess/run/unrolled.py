@@ -175,8 +175,6 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
         look = {"vmin": 0.0, "vmax": scale * max(both) or 1.0, "cmap": COLOUR_MAPS[MAPS[kind]]}
         shown = np.ma.masked_where(values == 0.0, scale * values)  # zero is white
         draw_map(axes, across, up, shown, label=label, **look)
-        if not np.nan_to_num(values).any():
-            axes.annotate("zero everywhere", (0.5, 0.5), None, "axes fraction", ha="center")
     elif len(axial) > 1:
         axes.plot(scale * values[:, 0], larger * axial, ".-", color=COLOURS["total"])
         axes.set(xlabel=label, xlim=(0, 1.05 * scale * max(both) or 1.0))
@@ -187,3 +185,5 @@ def _draw(axes: Axes, seen: xr.Dataset, name: str, edges: Array | None) -> None:
     else:
         line: dict[str, Any] = {"baseline": None, "clip_on": False, "zorder": 3}
         axes.stairs(scale * values[0], edges, color=COLOURS["total"], **line)
+    if not np.nan_to_num(values).any():
+        axes.annotate("zero everywhere", (0.5, 0.5), None, "axes fraction", ha="center")

@@ -17,7 +17,7 @@ from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
+from bladewhirl.postprocess.shaft.whirl import FRAMES, centre_rests, whirl
 
 LONG_LINE = 5000
 """A line of more points than this is a raster image in a PDF, to limit the size of the file."""
@@ -104,7 +104,8 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     """
     late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
-    tiny = 0.0 < radius < TINY * clearance
+    rests = centre_rests(orbit)
+    tiny = not rests and radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)
     unit, scale = handy_unit(reach, "m")
     edge = 1.1 * scale * reach or 1.0  # 1 mm if nothing moves
@@ -127,10 +128,11 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
     panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
     panels[FRAMES[1]].tick_params(labelleft=False)
-    radius_unit, radius_scale = handy_unit(float(late["radius"].max()), "m")
+    highest = clearance if rests else float(late["radius"].max())
+    radius_unit, radius_scale = handy_unit(highest, "m")
     below = panels["radius"]
     below.plot(late["time"], radius_scale * late["radius"], color=COLOURS["rotor"])
-    top = 1.1 * radius_scale * float(late["radius"].max()) or 1.0
+    top = 1.1 * radius_scale * highest or 1.0
     below.set(ylabel=f"radius [{radius_unit}]", ylim=(0.0, top))
     below.locator_params(axis="y", nbins=4)
     time_axis(below)

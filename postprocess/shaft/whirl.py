@@ -39,6 +39,8 @@ SPANS = 10  #: number of spans whose rates give the standard error of the rate
 STILL = 0.05
 """A shaft rests in a frame if the root mean square of its motion about the mean position is at most
 this fraction of the mean displacement."""
+ROUNDING = 1e-9
+"""A shaft rests if its radius is at most this fraction of the clearance."""
 DOUBTFUL = 0.5 * np.pi
 """If the angle changes by more than this between two records [rad], it is uncertain on which side
 the path has passed the centre."""
@@ -100,7 +102,7 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
 def whirls(orbit: xr.Dataset) -> dict[Frame, Whirl]:
     """Compute the net turns in both frames, see `whirl`."""
     time = orbit.variables["time"].values
-    if len(time) < 2 or not orbit.variables["radius"].values.any():
+    if len(time) < 2 or centre_rests(orbit):
         still = Whirl(rate=float("nan"), error=float("nan"), goes_round=False, rests=True)
         return dict.fromkeys(FRAMES, still)
     angle, doubtful = phase(orbit, "rotating")
@@ -118,6 +120,13 @@ def whirls(orbit: xr.Dataset) -> dict[Frame, Whirl]:
             rests=_rests(place * np.exp(1j * turned)),
         ),
     }
+
+
+def centre_rests(orbit: xr.Dataset) -> bool:
+    """Return whether the shaft's centre moves by rounding errors only, see `ROUNDING`."""
+    radius = float(orbit.variables["radius"].values.max())
+    clearance = float(orbit.attrs.get("smallest_clearance", 0.0))  # a made-up orbit has none
+    return radius <= (ROUNDING * clearance if np.isfinite(clearance) else 0.0)
 
 
 def _rests(place: ComplexArray) -> bool:

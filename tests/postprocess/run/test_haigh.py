@@ -9,6 +9,8 @@ from three_runs import KINDS, Kind, run_of
 
 from bladewhirl.postprocess.plotting.style import at_width
 from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.haigh import haigh, plot_haigh
+from bladewhirl.postprocess.run.stresses import stress_history
 
 LIMITS = {"endurance": 2e8, "strength": 9e8}
 
@@ -46,3 +48,14 @@ def test_lost_blades_are_left_out() -> None:
     assert np.isnan(data["alternating"].values).tolist() == [n in (0, 2) for n in range(6)]
     assert {text.get_text() for text in figure.axes[0].texts} <= set("1345")
     assert data.attrs["worst"] == 3
+
+
+def test_blades_at_the_same_place_share_a_label() -> None:
+    """Opposite blades of a wheel in a wall of two lobes have equal stresses."""
+    data = haigh(stress_history(run_of("beams")))
+    mean, alternating = data["mean"].copy(), data["alternating"].copy()
+    mean[4:], alternating[4:] = mean[:2].values, alternating[:2].values
+    figure = plot_haigh(data.assign(mean=mean, alternating=alternating))
+    texts = {text.get_text() for text in figure.axes[0].texts}
+    assert texts & {"0, 4", "1, 5"}
+    assert not texts & {"0", "1", "4", "5"}

@@ -129,3 +129,5 @@ def test_a_shaft_at_rest_in_a_frame_is_said_to_rest() -> None:
     pulsing = moved * np.cos(0.1 * np.arange(401))[:, None]
     orbit = shaft_orbit(resting(records=401, rotor_displacement=pulsing))
     assert whirl(orbit, "rotating").text == "no single frequency"
+    rounding = shaft_orbit(resting(records=401, rotor_displacement=1e-9 * pulsing))
+    assert {whirl(rounding, frame).text for frame in FRAMES} == {"at rest"}
