@@ -131,6 +131,10 @@ def test_other_entries_of_nastran_are_named_with_their_number(tmp_path: Path) ->
         ((), "MAT1,9,1.,,.3,1.,1.-5,20.,0.05\n", "the damping GE of 1 MAT1"),
         ((), "PSOLID,9,1,,2,,1\n", "the integration of 1 PSOLID"),
         ((), "PARAM,G,.02\n", "PARAM G"),
+        ((), "PARAM,COUPMASS,-1\n", "PARAM COUPMASS = -1, a lumped mass,"),
+        ((), "MAT1,9,2.1+11,4.+10,.3,1.\n", "G of 1 MAT1, which is not E / (2 (1 + NU)),"),
+        ((), "TABDMP1,7,CRIT\n,0.,.02,9.,.02,ENDT\n", "1 TABDMP1"),
+        ((), "SPC1,1,123,99999\n", "SPC 1 of 1 nodes that are not defined"),
         ((("SPC = 1", "SPC = 4"),), "", "SPC = 4, for which there are no entries,"),
     ],
 )
@@ -149,7 +153,10 @@ def test_fields_of_nastran_that_are_not_read_are_named(
         ("GRID,20,,9.,9.,9.\n", "each GRID once; GRID 20 is there twice"),
         ("CTETRA,1,1,1,2,3,20\n", "each element once; element 1 is there twice"),
         ("PSOLID,9,1,,,,,PFLUID\n", "elements of solids; PSOLID 9 is a fluid"),
-        ("PARAM,WTMASS,abc\n", "a positive PARAM,WTMASS, got abc"),
+        ("PARAM,WTMASS,abc\n", r"a number in field 3 of PARAM \(line \d+\), got 'ABC'"),
+        ("MAT1,7,1.+11,,.3,5000.\n", "each MAT1 once; MAT1 7 is there twice"),
+        ("PSOLID,3,7\n", "each PSOLID once; PSOLID 3 is there twice"),
+        ("BEGIN SUPER=1\n", "one section BEGIN BULK, got BEGIN SUPER=1"),
     ],
 )
 def test_contradictions_of_nastran_are_refused(tmp_path: Path, more: str, reason: str) -> None:
