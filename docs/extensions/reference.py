@@ -16,7 +16,13 @@ from typer.core import TyperGroup
 from typer.main import get_command
 
 import bladewhirl as bw
-from bladewhirl.meshes.files import abaqus_faces, abaqus_reader, ansys, nastran_bulk
+from bladewhirl.meshes.files import (
+    abaqus_faces,
+    abaqus_keywords,
+    abaqus_reader,
+    ansys,
+    nastran_bulk,
+)
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import FIXED_PHRASES, KINDS, TABLE_ERRORS, tables_in
 from bladewhirl.models.inputs.errors import toml_value
@@ -273,8 +279,8 @@ def decks() -> str:
         "Abaqus, CalculiX": (
             abaqus_faces.SOLIDS,
             keywords,
-            abaqus_reader.HARMLESS,
-            abaqus_reader.CHANGES_THE_MESH,
+            abaqus_keywords.HARMLESS,
+            abaqus_keywords.CHANGES_THE_MESH,
         ),
         "Ansys": (
             [f"SOLID{number}" for number in ansys.SOLIDS],

@@ -45,7 +45,12 @@ def place_instance(card: Card, part: AbaqusMesh, whole: AbaqusMesh) -> None:
     whole.solid_sections += [(f"{name}.{group}", one) for group, one in part.solid_sections]
     whole.sections += [(f"{name}.{one[0]}", *one[1:]) for one in part.sections]
     whole.masses += [(kind, f"{name}.{group}", value) for kind, group, value in part.masses]
-    whole.constraints |= part.constraints
+    whole.others.update(part.others)
+    whole.built |= {elements[number] for number in part.built if number in elements}
+    whole.distributed += [[nodes[n] for n in reference] for reference in part.distributed]
+    whole.turns |= {
+        nodes[n]: [nodes[one] for one in of] for n, of in part.turns.items() if n in nodes
+    }
     whole.couplings += [
         (keyword, [nodes[n] for n in reference], [nodes[n] for n in coupled if n in nodes])
         for keyword, reference, coupled in part.couplings

@@ -1,6 +1,6 @@
 """Contents of input of Abaqus and CalculiX, before they become a mesh of lines or of solids."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -43,8 +43,15 @@ class AbaqusMesh:
     material: str = ""  #: name of the material that is being read
     couplings: list[tuple[str, list[int], list[int]]] = field(default_factory=list)
     """Keyword, reference node and nodes of each coupling whose nodes move as a rigid body."""
-    constraints: set[str] = field(default_factory=set)  #: other keywords that connect nodes
-    held: dict[int, set[int]] = field(default_factory=dict)  #: node -> displacements that are held
+    distributed: list[list[int]] = field(default_factory=list)
+    """Reference nodes of each coupling whose nodes move independently."""
+    turns: dict[int, list[int]] = field(default_factory=dict)
+    """Reference node -> nodes whose displacements are its rotations, as in CalculiX."""
+    others: Counter[str] = field(default_factory=Counter)
+    """Other keywords that change the motion, and how often they are there."""
+    held: dict[int, set[int]] = field(default_factory=dict)
+    """Node -> displacements (1 to 3) and rotations (4 to 6) that are held."""
+    built: set[int] = field(default_factory=set)  #: elements with a section of any kind
     instances: dict[str, tuple[dict[int, int], dict[int, int]]] = field(default_factory=dict)
     """Instance in capitals -> numbers of its nodes and elements by their numbers in the part."""
     counted: list[int] = field(default_factory=lambda: [0])
@@ -82,7 +89,9 @@ class AbaqusMesh:
     def check_sets(self) -> None:
         """Check that members that are listed by their numbers exist, ranges may have gaps, and
         reference nodes."""
-        for keyword, reference, _ in self.couplings:
+        references = [(keyword, reference) for keyword, reference, _ in self.couplings]
+        references += [("*DISTRIBUTING", reference) for reference in self.distributed]
+        for keyword, reference in references:
             if lost := [n for n in reference if n not in self.points]:
                 raise MeshFileError(f"a reference node that is defined; {keyword} has {lost[0]}")
         nodes, elements = self.node_sets.items(), self.element_sets.items()
@@ -94,6 +103,29 @@ class AbaqusMesh:
                 if lost := [n for n, listed in members.items() if listed and n not in known]:
                     text = f"{kind}s of the mesh in set {name}; {kind} {lost[0]} is not defined"
                     raise MeshFileError(text)
+
+    def held_nodes(self) -> tuple[list[int], list[str]]:
+        """Return the nodes that are held along x, y and z, also as parts of rigid bodies, and notes
+        on those that are held in part."""
+        whole = {node for node, axes in self.held.items() if {1, 2, 3} <= axes}
+        partly, notes = self.held.keys() - whole, Counter[str]()
+        for keyword, reference, nodes in self.couplings:
+            axes = set[int]().union(*(self.held.get(node, ()) for node in reference))
+            if any(whole.issuperset(self.turns.get(node, [-1])) for node in reference):
+                axes |= {4, 5, 6}
+            if axes >= {1, 2, 3, 4, 5, 6}:
+                whole.update(nodes)
+            elif axes and not whole.issuperset(nodes):
+                notes[f"{keyword} with a reference node that is held in part"] += 1
+            partly -= {*reference}
+        notes["*DISTRIBUTING with a reference node that is held"] += sum(
+            not self.held.keys().isdisjoint(reference) for reference in self.distributed
+        )
+        single = sum(bool({1, 2, 3} & self.held[node]) for node in partly)
+        listed = [f"{count} {note}" for note, count in notes.items() if count]
+        if single:
+            listed.append(f"*BOUNDARY of single displacements of {single} nodes")
+        return [node for node in whole if node in self.points], listed
 
     def nodes_of(self, elements: Iterable[int]) -> list[int]:
         """Return the nodes of elements, each once; elements that are not defined are skipped."""

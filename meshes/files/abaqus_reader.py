@@ -7,44 +7,19 @@ itself. Keywords that would change the mesh without being evaluated are an error
 """
 
 import re
-from collections import defaultdict
-from collections.abc import Collection, Sequence
 from itertools import chain
 from pathlib import Path
 
-from bladewhirl.meshes.files.abaqus_faces import surface_nodes
+from bladewhirl.meshes.files.abaqus_constraints import read_boundary, read_coupling
 from bladewhirl.meshes.files.abaqus_instances import name_sets, place_instance
+from bladewhirl.meshes.files.abaqus_keywords import CHANGES_THE_MESH, HARMLESS, HOURGLASS
 from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh
+from bladewhirl.meshes.files.abaqus_sets import ELEMENTS, NODES, named, read_members, read_surface
 from bladewhirl.meshes.files.abaqus_text import Card, cards, real, whole
 from bladewhirl.meshes.files.groups import MeshFileError, constant
 
 SOLID = re.compile(r"(?:A?C3D|DC3D|F3D)(\d+).*")
 """Elements of solids, whether supported or not; the number is that of their nodes."""
-
-CHANGES_THE_MESH = frozenset(
-    ["SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
-)
-
-HARMLESS = frozenset(
-    line.strip()
-    for line in """
-    HEADING, PREPRINT, RESTART, END PART, ASSEMBLY, END ASSEMBLY, STEP, END STEP, STATIC, FREQUENCY,
-    BUCKLE, STEADY STATE DYNAMICS, MODAL DYNAMIC, DYNAMIC, COMPLEX FREQUENCY, CONTROLS, OUTPUT,
-    NODE OUTPUT, ELEMENT OUTPUT, CONTACT OUTPUT, NODE PRINT, EL PRINT, NODE FILE, EL FILE, MONITOR,
-    FILE FORMAT, SECTION PRINT, CONTACT FILE, CONTACT PRINT, ENERGY OUTPUT, SELECT CYCLIC SYMMETRY
-    MODES, CYCLIC SYMMETRY MODEL, CLOAD, DLOAD, DSLOAD, TEMPERATURE, FIELD, AMPLITUDE, INITIAL
-    CONDITIONS, PHYSICAL CONSTANTS, EXPANSION, CONDUCTIVITY, SPECIFIC HEAT, PLASTIC, ORIENTATION,
-    TRANSFORM, SOLID SECTION, SHELL SECTION, MEMBRANE SECTION, BEAM SECTION, BEAM GENERAL SECTION,
-    SURFACE SECTION, SURFACE, SURFACE INTERACTION, SURFACE BEHAVIOR, FRICTION, DISTRIBUTION,
-    DISTRIBUTION TABLE, PARAMETER, DIAGNOSTICS, USER MATERIAL, DEPVAR, MASS, ROTARY INERTIA,
-    SPRING, DASHPOT, CONNECTOR SECTION, VISUALIZATION, INCLUDE, VIEWFACTOR, MODAL DAMPING,
-    CONTACT CONTROLS, SECTION CONTROLS, HOURGLASS STIFFNESS, BASE MOTION, TIME POINTS, PRINT
-    """.replace("\n    ", " ").split(",")
-)
-"""Keywords that say nothing about the linear motion at rest, or belong to elements that are named.
-"""
-
-NODES, ELEMENTS = 0, 1
 
 
 def read_abaqus(path: Path, *, follow: bool = True, outside: bool = False) -> AbaqusMesh:
@@ -93,7 +68,7 @@ class _Deck:
             case "END PART" | "ASSEMBLY":
                 self._here = self.whole
             case "BOUNDARY" if self._here is not self.whole:
-                self.whole.constraints.add("*BOUNDARY of a part")
+                self.whole.others["BOUNDARY of a part"] += 1
             case _:
                 _read(card, self._here)
 
@@ -136,14 +111,14 @@ def _read(card: Card, content: AbaqusMesh) -> None:
             content.count(len(elements))
             content.extend(content.node_sets, card.needs("NSET"), content.nodes_of(elements))
         case "NSET":
-            _read_members(card, content, NODES, card.needs("NSET"))
+            read_members(card, content, NODES, card.needs("NSET"))
         case "ELSET":
-            _read_members(card, content, ELEMENTS, card.needs("ELSET"))
+            read_members(card, content, ELEMENTS, card.needs("ELSET"))
         case "SURFACE" if card.parameters.get("TYPE", "").upper() == "NODE":
             card.rows = [row[:1] for row in card.rows]
-            _read_members(card, content, NODES, card.needs("NAME"))
+            read_members(card, content, NODES, card.needs("NAME"))
         case "SURFACE" if card.parameters.get("TYPE", "ELEMENT").upper() == "ELEMENT":
-            _read_surface(card, content)
+            read_surface(card, content)
         case "BEAM SECTION" if card.parameters.get("SECTION", "").upper() == "RECT":
             _read_section(card, content)
         case "MATERIAL":
@@ -152,8 +127,17 @@ def _read(card: Card, content: AbaqusMesh) -> None:
                 raise MeshFileError(f"each material once; {card.needs('NAME')} is defined twice")
             content.materials[content.material] = {}
         case "SOLID SECTION":
+            if "COMPOSITE" in card.parameters:
+                raise MeshFileError("a *SOLID SECTION of one MATERIAL, without COMPOSITE")
             group = _section_of(card, content)
-            content.solid_sections.append((group, card.parameters.get("MATERIAL", "")))
+            content.solid_sections.append((group, card.needs("MATERIAL")))
+        case "SURFACE SECTION":  # a skin without mass has no stiffness, either
+            if "DENSITY" in card.parameters:
+                _mark_built(card, content)
+        case section if section.endswith("SECTION") and "ELSET" in card.parameters:
+            _mark_built(card, content)
+            if section not in HARMLESS:
+                content.others[section] += 1
         case "ELASTIC" | "DENSITY":
             _read_property(card, content)
         case "MASS":
@@ -161,17 +145,23 @@ def _read(card: Card, content: AbaqusMesh) -> None:
         case "ROTARY INERTIA":
             content.masses.append(("inertia", card.needs("ELSET"), real(card.rows[0][-1])))
         case "COUPLING" | "RIGID BODY" | "KINEMATIC COUPLING" | "KINEMATIC" | "DISTRIBUTING":
-            _read_coupling(card, content)
+            read_coupling(card, content)
         case "BOUNDARY":
-            _read_boundary(card, content)
-        case "TIE" if "CYCLIC SYMMETRY" in card.parameters:
+            read_boundary(card, content)
+        case "TIE" if "CYCLICSYMMETRY" in card.parameters:
             pass
+        case "INITIAL CONDITIONS":
+            if (kind := card.needs("TYPE").upper()) == "STRESS":
+                content.others[f"INITIAL CONDITIONS, TYPE={kind}"] += 1
+        case keyword if keyword in HOURGLASS:
+            if keyword != "SECTION CONTROLS" or card.rows or "HOURGLASS" in card.parameters:
+                content.others[keyword] += 1
         case keyword if keyword in CHANGES_THE_MESH:
             raise MeshFileError(
                 f"an .inp file without *{keyword}, with all nodes and elements listed"
             )
         case keyword if keyword not in HARMLESS:
-            content.constraints.add(f"*{keyword}")
+            content.others[keyword] += 1
 
 
 def _read_nodes(card: Card, content: AbaqusMesh) -> None:
@@ -210,7 +200,7 @@ def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
     try:
         return [whole(value) for value in row if value]
     except MeshFileError:
-        return [next(iter(_named(value, content, NODES))) for value in row if value]
+        return [next(iter(named(value, content, NODES))) for value in row if value]
 
 
 def _read_property(card: Card, content: AbaqusMesh) -> None:
@@ -220,6 +210,8 @@ def _read_property(card: Card, content: AbaqusMesh) -> None:
     if card.keyword == "ELASTIC" and not kind.startswith("ISO"):
         content.unread[content.material] = f"*ELASTIC, TYPE={kind}"
         return
+    if int(card.parameters.get("DEPENDENCIES") or 0):
+        content.unread[content.material] = f"*{card.keyword}, DEPENDENCIES"
     names = ("density",) if card.keyword == "DENSITY" else ("young_modulus", "poisson_ratio")
     if names[0] in content.materials[content.material]:
         raise MeshFileError(f"one *{card.keyword} of each material; {content.material} has two")
@@ -237,7 +229,12 @@ def _section_of(card: Card, content: AbaqusMesh) -> str:
     if group in content.sectioned:
         raise MeshFileError(f"one section for each set; {group} has two")
     content.sectioned.add(group)
+    _mark_built(card, content)
     return group
+
+
+def _mark_built(card: Card, content: AbaqusMesh) -> None:
+    content.built.update(content.element_sets.get(card.needs("ELSET"), ()))
 
 
 def _read_section(card: Card, content: AbaqusMesh) -> None:
@@ -247,124 +244,3 @@ def _read_section(card: Card, content: AbaqusMesh) -> None:
     width, thickness = (first, second) if out_of_plane else (second, first)
     group = _section_of(card, content)
     content.sections.append((group, card.needs("MATERIAL"), width, thickness))
-
-
-def _read_members(card: Card, content: AbaqusMesh, kind: int, name: str) -> None:
-    """Add the members that a keyword lists as numbers, ranges or names of earlier sets to a set.
-
-    Args:
-        card: keyword.
-        content: contents so far.
-        kind: `NODES` or `ELEMENTS`.
-        name: name of the set.
-    """
-    sets = (content.node_sets, content.element_sets)[kind]
-    instance = card.parameters.get("INSTANCE")
-    content.extend(sets, name, ())
-    if "GENERATE" not in card.parameters:
-        prefix = "" if instance is None else f"{instance}."
-        for value in filter(None, chain.from_iterable(card.rows)):
-            members = _named(f"{prefix}{value}", content, kind)
-            content.extend(sets, name, members, listed=isinstance(members, list))
-        return
-    placed = None if instance is None else content.instances[instance.upper()][kind]
-    for row in card.rows:
-        first, last, step = ([whole(value) for value in row if value] + [1])[:3]
-        if not step or (last - first) % step or (last - first) // step < 0:
-            raise MeshFileError(
-                f"ranges whose step leads from the first number to the last, got {', '.join(row)}"
-            )
-        run = range(first, last + (1 if step > 0 else -1), step)
-        content.count(len(run))
-        content.extend(
-            sets, name, run if placed is None else (placed[n] for n in run if n in placed)
-        )
-
-
-def _named(value: str, content: AbaqusMesh, kind: int) -> Collection[int]:
-    """Return the members of a set, or a list of the node or element with a number, perhaps after
-    the name of an instance and a point."""
-    sets = (content.node_sets, content.element_sets)[kind]
-    if (name := content.names.get(value.upper(), value)) in sets:
-        content.count(len(sets[name]))
-        return sets[name]
-    instance, point, number = value.rpartition(".")
-    try:
-        if not point:
-            return [whole(number)]
-        return [content.instances[instance.upper()][kind][whole(number)]]
-    except (MeshFileError, KeyError):
-        text = f"sets that consist of numbers and earlier sets; {value!r} is neither"
-        raise MeshFileError(text) from None
-
-
-def _read_surface(card: Card, content: AbaqusMesh) -> None:
-    """Read a surface of faces of solids as a set of nodes; faces of other elements are skipped, and
-    surfaces of sets that are not defined before."""
-    instance = card.parameters.get("INSTANCE")
-    faces = defaultdict[str, list[int]](list)
-    for row in card.rows:
-        value = row[0] if instance is None else f"{instance}.{row[0]}"
-        try:
-            elements = _named(value, content, ELEMENTS)
-        except MeshFileError:
-            return
-        faces[row[1].upper() if len(row) > 1 else ""] += elements
-    content.count(len(content.elements) if "" in faces else 0)
-    nodes = [node for face, of in faces.items() for node in surface_nodes(content, of, face)]
-    content.extend(content.node_sets, card.needs("NAME"), nodes)
-
-
-AXES = {"ENCASTRE": {1, 2, 3}, "PINNED": {1, 2, 3}, "XSYMM": {1}, "YSYMM": {2}, "ZSYMM": {3}}
-AXES |= {"XASYMM": {2, 3}, "YASYMM": {1, 3}, "ZASYMM": {1, 2}}
-"""Displacements that the names of boundary conditions hold."""
-
-
-def _read_boundary(card: Card, content: AbaqusMesh) -> None:
-    """Read the displacements that are held."""
-    if content.held and card.parameters.get("OP", "").upper() == "NEW":
-        content.constraints.add("*BOUNDARY, OP=NEW, which frees nodes held before it,")
-    for row in card.rows:
-        first, last, value = (*row[1:4], "", "", "")[:3]
-        if value and real(value):
-            content.constraints.add("*BOUNDARY of motions")
-            continue
-        axes = AXES.get(first.upper()) or {*range(whole(first), whole(last or first) + 1)}
-        if not axes:
-            raise MeshFileError(f"degrees of freedom from low to high, got {first}, {last}")
-        for node in _named(row[0], content, NODES):
-            content.held.setdefault(node, set()).update(axes & {1, 2, 3})
-
-
-def _read_coupling(card: Card, content: AbaqusMesh) -> None:
-    """Read the nodes that move with a reference node as a rigid body."""
-    if card.keyword in ("DISTRIBUTING", "KINEMATIC"):  # of the coupling before
-        if card.keyword == "DISTRIBUTING":  # its nodes move independently
-            content.couplings.pop()
-        elif not _displacements(card.rows):
-            content.couplings.pop()
-            content.constraints.add("*KINEMATIC of some displacements")
-        return
-    reference = [*_named(card.needs("REF NODE"), content, NODES)]
-    keys = ("SURFACE", "NSET", "ELSET", "TIE NSET", "PIN NSET")
-    nodes: list[int] = []
-    for key, value in card.parameters.items():
-        if key in keys and key != "ELSET":
-            nodes += _named(value, content, NODES)
-        elif key == "ELSET":
-            nodes += content.nodes_of(_named(value, content, ELEMENTS))
-    if card.keyword == "KINEMATIC COUPLING":
-        if not _displacements([row[1:] for row in card.rows]):
-            content.constraints.add("*KINEMATIC COUPLING of some displacements")
-            return
-        nodes += chain.from_iterable(_named(row[0], content, NODES) for row in card.rows)
-    content.couplings.append((f"*{card.keyword}", reference, nodes))
-
-
-def _displacements(rows: Sequence[Sequence[str]]) -> bool:
-    """Return whether rows of first and last degrees of freedom contain all three displacements.
-    Without a row they do."""
-    ranges = [[whole(value) for value in row[:2] if value] for row in rows]
-    return not any(ranges) or all(
-        any(min(row) <= one <= max(row) for row in ranges if row) for one in (1, 2, 3)
-    )

@@ -6,7 +6,7 @@ of VTK.
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +14,7 @@ import meshio
 import numpy as np
 
 from bladewhirl.meshes.files.abaqus_faces import SOLIDS
+from bladewhirl.meshes.files.abaqus_keywords import HOURGLASS
 from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh, by_place
 from bladewhirl.meshes.files.abaqus_reader import SOLID, read_abaqus
 from bladewhirl.meshes.files.groups import MeshFileError
@@ -49,9 +50,9 @@ class SolidMesh(NamedTuple):
 
 HELD = "*BOUNDARY"  #: name of the group of the nodes that the file holds
 
-OTHERS = re.compile("(MASS|ROTARYI|SPRING|DASHPOT|CONN|S[3-9]|SC|STRI|B3|PIPE|M3D|GAP)")
-"""Start of the names of elements that change the motion of a solid. Others, such as CPS3, are taken
-for faces and edges of the solid, as which Gmsh writes them."""
+FACES = re.compile("(CPS|CPE|CAX|[TR][23]D|SFM3D)[2-9].*|HEATCAP")
+"""Elements that change the motion of a solid only with a section, or as part of a rigid body: faces
+and edges of the solid, as which Gmsh writes them."""
 
 
 def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
@@ -86,7 +87,7 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
             " are not read"
         )
     cells = [(SOLIDS[kind], np.array(rows)) for kind, rows in solids.items()]
-    whole = [node for node, axes in content.held.items() if len(axes) == 3 and node in place]
+    whole, notes = content.held_nodes()
     groups = content.groups() | ({HELD: whole} if whole else {})
     members = {name: [cell[n] for n in m if n in cell] for name, m in content.element_sets.items()}
     mesh = meshio.Mesh(
@@ -101,19 +102,27 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
     )
     return SolidMesh(
         *(mesh, tuple(solids), tuple(_sections(content))),
-        ignored=(*_ignored(content),),
+        ignored=(*_ignored(content, solids), *notes, *_other_elements(content)),
         rigid=(*_rigid_bodies(content, place),),
         held=HELD if 2 * len(whole) > len(content.held) else "",
     )
 
 
-def _ignored(content: AbaqusMesh) -> Iterator[str]:
-    yield from sorted(content.constraints)
-    if partly := sum(0 < len(axes) < 3 for axes in content.held.values()):
-        yield f"{HELD} of single displacements of {partly} nodes"
-    for kind, count in Counter(content.types.values()).items():
-        if OTHERS.match(kind):
-            yield f"{count} elements {kind}"
+def _ignored(content: AbaqusMesh, solids: Collection[str]) -> Iterator[str]:
+    """Yield the keywords that change the motion and are not read, with their number."""
+    for keyword, count in sorted(content.others.items()):
+        if keyword not in HOURGLASS or "C3D8R" in solids:
+            yield f"{count} *{keyword}"
+
+
+def _other_elements(content: AbaqusMesh) -> Iterator[str]:
+    """Yield the elements beside solids that change the motion, with their number."""
+    counts = Counter(
+        kind
+        for number, kind in content.types.items()
+        if not SOLID.fullmatch(kind) and (number in content.built or not FACES.fullmatch(kind))
+    )
+    yield from (f"{count} elements {kind}" for kind, count in counts.items())
 
 
 def _rigid_bodies(content: AbaqusMesh, place: Mapping[int, int]) -> Iterator[tuple[str, IntArray]]:

@@ -5,6 +5,7 @@ read in their places. Numbers may have exponents of Fortran, such as 1.5d-3.
 """
 
 import re
+import string
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.files import LARGEST_TEXT, open_text, plain
+from bladewhirl.meshes.files.abaqus_keywords import spaced
 from bladewhirl.meshes.files.groups import MeshFileError
 
 WITH_INPUT = frozenset(["INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET"])
@@ -21,6 +23,9 @@ WITH_INPUT = frozenset(["INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET"])
 
 MOST_FILES = 1000  #: largest number of times that files are read in the place of a keyword
 DEEPEST = 20  #: largest number of files of which each names the next
+
+BLANK = string.whitespace + "\x1a"
+"""Characters around the content of a line, with that which ends files of some programs."""
 
 SNIFFED = 200  #: number of lines in which the format of a text is recognised
 
@@ -30,15 +35,15 @@ class Card:
     """A keyword with its parameters and the data lines after it."""
 
     keyword: str
-    parameters: dict[str, str]
+    parameters: dict[str, str]  #: values by the name in capitals, without blanks
     rows: list[list[str]] = field(default_factory=list)
     place: str = ""  #: line and file, for messages
 
     def needs(self, name: str) -> str:
         """Return the value of a required parameter."""
-        if name not in self.parameters:
+        if not (value := self.parameters.get(name.replace(" ", ""), "")):
             raise MeshFileError(f"*{self.keyword} with {name}=")
-        return self.parameters[name]
+        return value
 
     @contextmanager
     def located(self) -> Iterator[None]:
@@ -85,7 +90,8 @@ def cards(path: Path, *, follow: bool = True, outside: bool = False) -> Iterator
                 yield card
             card = line
         elif card is not None:
-            card.rows.append([part.strip() for part in line.rstrip(",").split(",")])
+            parts = line.rstrip(",").replace('"', "").split(",")
+            card.rows.append([part.strip() for part in parts])
     if card is None:
         raise MeshFileError("an .inp file, with keywords such as *NODE")
     yield card
@@ -109,8 +115,10 @@ def is_abaqus_text(lines: list[str]) -> bool:
 def _card(line: str, place: str) -> Card:
     keyword, *parameters = (part.strip() for part in line[1:].split(","))
     pairs = (parameter.partition("=") for parameter in parameters if parameter)
-    values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-    return Card(" ".join(keyword.upper().split()), values, place=place)
+    values = {
+        "".join(key.upper().split()): value.strip().strip('"').strip() for key, _, value in pairs
+    }
+    return Card(spaced(keyword), values, place=place)
 
 
 class _Lines:
@@ -130,7 +138,7 @@ class _Lines:
         """Yield keywords, with their continued lines, and lines of data without comments."""
         try:
             with open_text(path, errors="replace") as stream:
-                text = enumerate(map(str.strip, stream.read().splitlines()), 1)
+                text = enumerate((x.strip(BLANK) for x in stream.read().splitlines()), 1)
         except OSError as error:
             named = f" {path.name} for INPUT=" if before else ""
             raise MeshFileError(f"a readable file{named} ({error.strerror})") from None

@@ -336,7 +336,7 @@ def test_to_a_reference_node_belong_the_nodes_coupled_to_it(tmp_path: Path, coup
         ),
         (
             "*EQUATION\n2\n1, 1, 1., 2, 1, -1.\n*MPC\nBEAM, 1, 2\n",
-            "\\*EQUATION, \\*MPC of deck.inp",
+            "1 \\*EQUATION, 1 \\*MPC of deck.inp",
         ),
         (
             "*PART, NAME=p\n*END PART\n*INSTANCE, NAME=I-1, PART=p\n*NODE\n7, 0, 0, 0\n"

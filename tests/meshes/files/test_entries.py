@@ -257,9 +257,118 @@ def test_other_keywords_of_abaqus_are_named(tmp_path: Path) -> None:
     mesh = read_volume_mesh(abaqus(tmp_path, more))
     tips = len(mesh.groups["tip"])
     assert mesh.ignored == (
-        *("*BOUNDARY of motions", "*DAMPING", "*NOVELTY"),
+        *("1 *BOUNDARY of motions", "1 *DAMPING", "1 *NOVELTY"),
         f"*BOUNDARY of single displacements of {tips} nodes",
     )
+
+
+@pytest.mark.parametrize(
+    ("more", "note"),
+    [
+        ("*HEAT TRANSFER\n*FILM\n1, F1, 20, 5\n*BOUNDARY\ntip, 11, 11, 293.\n", None),
+        ("*ORIENTATION, NAME=O\n1, 0, 0, 0, 1, 0\n*NODEFILE\nU\n*ENDSTEP\n", None),
+        ("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nroot, 20\n", None),
+        ("*SECTION CONTROLS, NAME=E, HOURGLASS=ENHANCED\n", None),  # elements without such modes
+        ("*ELEMENT, TYPE=T3D2, ELSET=edges\n900, 1, 2\n", None),  # as Gmsh writes edges
+        (
+            "*ELEMENT, TYPE=SFM3D4, ELSET=s\n900, 1, 2, 3, 4\n*SURFACE SECTION, ELSET=s\n",
+            None,
+        ),
+        ("*EQUATION\n2\n1,1,1.,2,1,-1.\n*EQUATION\n2\n1,2,1.,2,2,-1.\n", "2 *EQUATION"),
+        ("*INITIAL CONDITIONS, TYPE=STRESS\nall, 1e8\n", "1 *INITIAL CONDITIONS, TYPE=STRESS"),
+        ("*MODAL DAMPING\n1, 10, .02\n", "1 *MODAL DAMPING"),
+        ("*BOUNDARY, USER\ntip, 1, 3\n", "1 *BOUNDARY, USER"),
+        ("*BOUNDARY, SUBMODEL, STEP=1\ntip, 1, 3\n", "1 *BOUNDARY, SUBMODEL"),
+        ("*ELEMENT, TYPE=COH3D8, ELSET=c\n900, 1,2,3,4,5,6,7,8\n", "1 elements COH3D8"),
+        (
+            "*ELEMENT, TYPE=T3D2, ELSET=b\n900, 1, 2\n*SOLID SECTION, ELSET=b, MATERIAL=steel\n",
+            "1 elements T3D2",
+        ),
+        (
+            "*ELEMENT, TYPE=SFM3D4, ELSET=s\n900, 1,2,3,4\n*SURFACE SECTION, ELSET=s, DENSITY=1.\n",
+            "1 elements SFM3D4",
+        ),
+    ],
+)
+def test_what_changes_the_motion_is_named_with_its_number(
+    tmp_path: Path, more: str, note: str | None
+) -> None:
+    mesh = read_volume_mesh(abaqus(tmp_path, more))
+    assert mesh.ignored == (() if note is None else (note,))
+    assert not held(mesh)
+
+
+@pytest.mark.parametrize(
+    "keyword", ["*HOURGLASS STIFFNESS\n5.\n", "*SECTION CONTROLS, HOURGLASS=E\n"]
+)
+def test_the_stiffness_of_hourglass_modes_is_named(tmp_path: Path, keyword: str) -> None:
+    path = abaqus(tmp_path, keyword)
+    path.write_text(deck_text(cantilever("hexahedron", BOXES), "C3D8R") + MATERIAL + keyword)
+    assert read_volume_mesh(path).ignored == (f"1 {keyword.partition(',')[0].splitlines()[0]}",)
+
+
+BODY = "*NODE, NSET=both\n900, .2, 0., 0.\n901, .2, 0., 0.\n*NSET, NSET=at\n900\n"
+COUPLING = f"{BODY}*COUPLING, CONSTRAINT NAME=C, REF NODE=at, SURFACE=root\n*KINEMATIC\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "notes"),
+    [
+        (f"{COUPLING}*BOUNDARY\nat, 1, 6\n", ()),
+        (f"{COUPLING}*BOUNDARY\nat, ENCASTRE\n", ()),
+        (
+            f"{BODY}*RIGID BODY, NSET=root, REFNODE=900, ROTNODE=901\n*BOUNDARY\nboth, 1, 3\n",
+            (),
+        ),
+        (
+            f"{COUPLING}*BOUNDARY\nat, PINNED\n",
+            ("1 *COUPLING with a reference node that is held in part",),
+        ),
+        (
+            f"{COUPLING.replace('KINEMATIC', 'DISTRIBUTING')}*BOUNDARY\nat, 1, 6\n",
+            ("1 *DISTRIBUTING with a reference node that is held",),
+        ),
+        (f"{COUPLING.replace('KINEMATIC', 'DISTRIBUTING')}*CLOAD\nat, 1, 1.\n", ()),
+    ],
+)
+def test_a_held_reference_node_holds_its_rigid_body(
+    tmp_path: Path, more: str, notes: tuple[str, ...]
+) -> None:
+    mesh = read_volume_mesh(abaqus(tmp_path, more))
+    assert mesh.ignored == notes
+    assert held(mesh) == ([] if notes or "CLOAD" in more else mesh.groups["root"].tolist())
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (
+            "*SOLID SECTION, ELSET=all, MATERIAL=steel",
+            "*SOLIDSECTION, ELSET = all, MATERIAL = steel",
+        ),
+        ("\n", "\r\n"),
+        ("*SOLID SECTION", "** \x1a\n*SOLID SECTION"),
+    ],
+)
+def test_blanks_and_ends_of_lines_of_abaqus_do_not_matter(
+    tmp_path: Path, old: str, new: str
+) -> None:
+    path = abaqus(tmp_path, '*BOUNDARY\n"root", 1, 3\n')
+    path.write_bytes((path.read_text().replace(old, new) + "\x1a").encode())
+    mesh = read_volume_mesh(path)
+    assert mesh.ignored == ()
+    assert held(mesh) == mesh.groups["root"].tolist()
+    assert len(mesh.sections[0].properties) == 3
+
+
+def test_materials_of_abaqus_that_depend_on_fields_are_refused(tmp_path: Path) -> None:
+    path = abaqus(tmp_path, "")
+    path.write_text(path.read_text().replace("*ELASTIC", "*ELASTIC, DEPENDENCIES=1"))
+    with pytest.raises(CaseError, match=r"has \*ELASTIC, DEPENDENCIES, which is not read"):
+        first(path, clamped="root")
+    path = abaqus(tmp_path, "*SOLID SECTION, ELSET=tip, COMPOSITE\n.1, 3, steel\n")
+    with pytest.raises(MeshFileError, match="of one MATERIAL, without COMPOSITE"):
+        read_volume_mesh(path)
 
 
 def test_held_nodes_that_are_not_clamped_are_named(tmp_path: Path) -> None:
@@ -307,7 +416,7 @@ def test_boundary_conditions_of_abaqus_that_would_hold_nothing_are_refused(tmp_p
 def test_boundary_conditions_of_abaqus_that_free_nodes_are_named(tmp_path: Path) -> None:
     freed = "*BOUNDARY\nroot, 1, 3\n*STEP\n*BOUNDARY, OP=NEW\ntip, 1, 3\n*END STEP\n"
     (note,) = read_volume_mesh(abaqus(tmp_path, freed)).ignored
-    assert note.startswith("*BOUNDARY, OP=NEW")
+    assert note.startswith("1 *BOUNDARY, OP=NEW")
     only = "*STEP\n*BOUNDARY, OP=NEW\nroot, 1, 3\n*END STEP\n"
     assert read_volume_mesh(abaqus(tmp_path, only)).ignored == ()
 
