@@ -21,6 +21,8 @@ from bladewhirl.meshes.files import (
     abaqus_keywords,
     abaqus_reader,
     ansys,
+    ansys_materials,
+    ansys_text,
     nastran_bulk,
 )
 from bladewhirl.models.case.case import Case
@@ -284,9 +286,9 @@ def decks() -> str:
         ),
         "Ansys": (
             [f"SOLID{number}" for number in ansys.SOLIDS],
-            [*ansys.USED.values(), *ansys.CONSTANTS],
-            ansys.HARMLESS,
-            ansys.COMMANDS,
+            [*ansys_text.USED.values(), *ansys_materials.CONSTANTS],
+            ansys_text.HARMLESS,
+            ansys_text.COMMANDS,
         ),
         "Nastran": (
             nastran_bulk.CELLS,

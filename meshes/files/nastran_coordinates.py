@@ -76,14 +76,14 @@ class _Frames:
             self._known[number] = None  # until it is known
             entry, start = self._given[number]
             points = (
-                [self._position(entry.whole(start + one)) for one in (1, 2, 3)]
+                np.array([self._position(entry.whole(start + one)) for one in (1, 2, 3)])
                 if entry.name[-2] == "1"
                 else _in_basic(
                     np.array([entry.real(n, 0.0) for n in range(2, 11)]).reshape(3, 3),
                     self.of(entry.whole(1, 0)),
                 )
             )
-            self._known[number] = (entry.name[-1], points[0], _axes(*points, number))
+            self._known[number] = entry.name[-1], points[0], _axes(points, number)
         if (frame := self._known[number]) is None:
             raise MeshFileError(f"coordinate systems not defined by themselves; {number} is")
         return frame
@@ -92,11 +92,13 @@ class _Frames:
         if (entry := self._nodes.get(node)) is None:
             raise MeshFileError(f"all nodes of the coordinate systems; node {node} is not defined")
         given = np.array([[entry.real(place, 0.0) for place in (2, 3, 4)]])
-        return _in_basic(given, self.of(entry.whole(1, self._default)))[0]
+        return np.asarray(_in_basic(given, self.of(entry.whole(1, self._default)))[0])
 
 
-def _axes(origin: FloatArray, on_z: FloatArray, in_xz: FloatArray, number: int) -> FloatArray:
-    z, x = on_z - origin, in_xz - origin
+def _axes(points: FloatArray, number: int) -> FloatArray:
+    """Return the axes of a system with the number, from its origin, a point of its z axis and one
+    of its plane of x and z."""
+    z, x = points[1:] - points[0]
     y = np.cross(z, x)
     if not min(np.linalg.norm(z), np.linalg.norm(y)) > 0.0:
         raise MeshFileError(f"three points that are not in a line for coordinate system {number}")

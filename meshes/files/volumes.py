@@ -188,18 +188,21 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
         sources.setdefault(element, []).append(number)
     blocks: dict[str, IntArray] = {}
     place_of: dict[int, IntArray] = {}  # the number of each cell of a block of the source
-    total = 0
+    total = repeated = 0
     for element, numbers in sources.items():
         parts = [mesh.cells[number].data for number in numbers]
         blocks[element], rank = _once(stacked(parts).astype(np.int64))
         split = np.split(total + rank, np.cumsum([len(part) for part in parts])[:-1])
         place_of |= dict(zip(numbers, split, strict=True))
         total += len(blocks[element])
+        repeated += sum(map(len, parts)) - len(blocks[element])
     ends = [end for one in blocks.values() for end in (one.min(), one.max())]
     if not (min(ends) >= 0 and max(ends) < len(mesh.points)):
         raise MeshFileError("all nodes of the cells; some nodes are not defined")
     if {mesh.points.dtype.kind, *(one.data.dtype.kind for one in solid.values())} - {*"iuf"}:
         raise MeshFileError("coordinates and nodes of cells as numbers")
+    # Meshes of Gmsh without elements and materials repeat cells for each of their groups.
+    notes = [f"{repeated} elements with the nodes of others"] if repeated else []
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.all(abs(points) <= FARTHEST):
         raise MeshFileError(f"nodes with three finite coordinates of at most {FARTHEST:g}")
@@ -221,7 +224,7 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
         groups={key: _used(nodes) for key, nodes in members.items()},
         cell_groups={key: np.unique(np.concatenate(one)) for key, one in cell_groups.items()},
         sections=source.sections,
-        ignored=source.ignored,
+        ignored=(*source.ignored, *(notes if source.elements or source.sections else ())),
         rigid=tuple((text, _used(place[nodes])) for text, nodes in source.rigid),
         held=source.held if len(_used(members.get(source.held, used[:0]))) else "",
         name=name,

@@ -60,9 +60,13 @@ def proposed(mesh: VolumeMesh) -> Proposal:
     surfaces = _surfaces(mesh)
     options = dict[str, str | bool]()
     for key in SYMBOLS:
-        if bare := np.count_nonzero(np.isnan(of_file(mesh, key)[0])):
+        values, reasons = of_file(mesh, key)
+        if len(bare := np.flatnonzero(np.isnan(values))):
             options[key] = UNKNOWN
-            notes.append(f"{key}: the file gives none to {bare} cells")
+            why = reasons.get(int(bare[0]), "")
+            notes.append(
+                f"{key}: the file gives none to {len(bare)} cells" + f"; {why}" * bool(why)
+            )
     options["clamped"] = _clamped(placed, axis, sector is not None or wheel, unit, surfaces, notes)
     named = _named(surfaces, TIPS)
     options["contact"] = named or (UNKNOWN if axis == UNKNOWN else OUTERMOST)

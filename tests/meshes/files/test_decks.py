@@ -308,7 +308,7 @@ def test_what_connects_nodes_is_named(tmp_path: Path) -> None:
     text = file.read_text().replace("       -1\nMP", f"{SURFACE}\n       -1\nMP")
     file.write_text(text)
     assert read_volume_mesh(file).ignored == (
-        "1 elements 174",
+        "1 elements CONTA174",
         "1 CE",
     )
 

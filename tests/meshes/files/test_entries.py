@@ -1,5 +1,6 @@
 """Every entry of a deck is used, harmless, or named."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -223,11 +224,113 @@ def test_commands_of_ansys_that_change_the_mesh_are_refused(
 
 
 def test_held_nodes_and_other_commands_of_ansys(tmp_path: Path) -> None:
-    more = "D,1,ALL,0.\nD,2,UX,0.,,4,2,UY,UZ\nD,5,UX\nD,6,UY,0.1\nCERIG,1,2\nTB,ELAST,1\nACEL,1\n"
+    more = "D,1,ALL,0.\nD,2,UX,0.,,4,2,UY,UZ\nD,5,UX\nD,6,UY,0.1\nCERIG,1,2\nTB,SDAMP,1\nACEL,1\n"
     mesh = read_volume_mesh(cdb(tmp_path, more=more))
     assert held(mesh) == [0, 1, 3]
-    notes = ("D of single displacements of 1 nodes", "1 D of motions or named nodes")
-    assert mesh.ignored == ("1 CERIG", "1 TB", *notes)
+    notes = ("D of single displacements of 1 nodes", "1 D of motions or selected nodes")
+    assert mesh.ignored == ("1 CERIG", "1 TB,SDAMP", *notes)
+
+
+MECHANICAL = """/com,*********** Elements for Body 1 ***********
+/wb,elem,start
+*set,tid,3
+et,tid,{kind}
+eblock,10,,,2
+(15i9)
+      900        3        3        3        0        1        2        3        4
+      901        3        3        3        0        1        2        3        4
+-1
+  alphad,0.0 $ /go
+toffst,273.15
+/post1
+set,list
+prnsol,u
+/prep7
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "notes"),
+    [
+        (MECHANICAL.format(kind=154), ()),
+        (MECHANICAL.format(kind=174), ("2 elements CONTA174",)),
+        ("N,R5.1,LOC,       -1,\nEN,R5.5,ATTR,       -1,\nDOF,DELETE\nKUSE,0\n", ()),
+        ("TB,BISO,1,1,2\nTBDATA,1,2e8,1e9\nETCONTROL,SET\nLUMPM,0\nCYCLIC\nNROTAT,ALL\n", ()),
+        ("TB,ANEL,1,1,21\n", ("1 TB,ANEL",)),
+        ("LUMPM,ON\nBETAD,1e-6\n", ("1 BETAD", "1 LUMPM")),
+        ("CE,R5.0,DEFI,2,1,0.\nCE,R5.0,NODE,5,UX,1.\nCP,1,UX,5,6\n", ("1 CE", "1 CP")),
+        ("D,5,UX,%TAB%\n", ("1 D of motions or selected nodes",)),
+        ("NSEL,S,LOC,X,0\nD,ALL,ALL\n", ("1 D of motions or selected nodes",)),
+    ],
+)
+def test_commands_of_ansys_are_harmless_or_named(
+    tmp_path: Path, more: str, notes: tuple[str, ...]
+) -> None:
+    mesh = read_volume_mesh(cdb(tmp_path, more=more))
+    assert mesh.ignored == notes
+    assert not mesh.held
+
+
+STIFF = f"(7g16.9)\n{3:9d}{6:9d}{'0.':>48}{5.0:16}"
+
+
+@pytest.mark.parametrize("real", ["R,3,,,,5.\n", f"RLBLOCK,1,3,6,7\n(2i9,6g16.9)\n{STIFF}\n"])
+def test_loaded_surfaces_of_ansys_with_a_stiffness_are_named(tmp_path: Path, real: str) -> None:
+    mesh = read_volume_mesh(cdb(tmp_path, more=MECHANICAL.format(kind=154) + real))
+    assert mesh.ignored == ("2 elements SURF154 with a stiffness or a mass",)
+
+
+@pytest.mark.parametrize(
+    "more", ["D,root,ALL\n", "CMSEL,S,ROOT\nD,ALL,UX\nD,ALL,UY\nD,ALL,UZ\nNSEL,ALL\n"]
+)
+def test_nodes_of_components_that_ansys_holds(tmp_path: Path, more: str) -> None:
+    mesh = read_volume_mesh(cdb(tmp_path, more=more))
+    assert held(mesh) == mesh.groups["root"].tolist()
+    assert mesh.ignored == ()
+
+
+def test_a_property_of_ansys_in_its_short_form_is_read(tmp_path: Path) -> None:
+    more = "MPTEMP,,,,,,,,\nMPDATA,EX,1,,1e11,\n"
+    (section,) = read_volume_mesh(cdb(tmp_path, more=more)).sections
+    assert section.properties["young_modulus"] == 1e11
+    (section,) = read_volume_mesh(cdb(tmp_path, more="MPDATA,EX,1,2,1e11,\n")).sections
+    assert section.unread == "has EX for several temperatures, which is not read"
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "reason"),
+    [
+        (
+            r"(?s)\nEBLOCK.*?\n *-1",
+            "\nE,1,2,3,4,5,6,7,8",
+            "solids in NBLOCK and EBLOCK, as CDWRITE",
+        ),
+        (r"(?s)(\nNBLOCK.*?\n)(?=N,)", r"\1\1", "each node once; node 1 is there twice"),
+        (r"(?s)(\nEBLOCK.*?-1\n)", r"\1\1", "each element once; element 1 is there twice"),
+        (r"(?s)(\nEBLOCK.*)\n.*?\n *-1\n", r"\1\n", r"all 20 nodes of element \d"),
+        (
+            r"(?s)(\nEBLOCK.*\n.*?) *\d+\n( *-1\n)",
+            r"\1        0\n\2",
+            "all mid-side nodes; element 2",
+        ),
+    ],
+)
+def test_blocks_of_ansys_that_are_not_complete_are_refused(
+    tmp_path: Path, pattern: str, new: str, reason: str
+) -> None:
+    path = cdb(tmp_path)
+    text, count = re.subn(pattern, new, path.read_text(), count=1)
+    assert count
+    path.write_text(text)
+    with pytest.raises(MeshFileError, match=reason):
+        read_volume_mesh(path)
+
+
+def test_an_element_that_is_there_twice_is_named(tmp_path: Path) -> None:
+    nodes = (cantilever("hexahedron20", BOXES).cells[0].data[0] + 1).tolist()
+    rows = f"900, {str(nodes[:9])[1:-1]},\n{str(nodes[9:])[1:-1]}\n"
+    mesh = read_volume_mesh(abaqus(tmp_path, f"*ELEMENT, TYPE=C3D20\n{rows}"))
+    assert mesh.ignored == ("1 elements with the nodes of others",)
 
 
 @pytest.mark.parametrize(("old", "new"), [("186", "95"), ("186", "187")])

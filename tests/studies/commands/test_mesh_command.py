@@ -145,7 +145,7 @@ def test_solids_are_listed_with_the_next_call(tmp_path: Path) -> None:
         ),
         ("a.k", "*KEYWORD\n", "a mesh file, .vtu, .msh, .inp, not a deck of LS-DYNA; convert it"),
         ("a.FEM", "BEGIN BULK\n", "not a deck of OptiStruct"),
-        ("a.cdb", "/PREP7\n", "a .cdb file that meshlane can read"),
+        ("a.cdb", "/PREP7\n", "solids in NBLOCK and EBLOCK, as CDWRITE writes them"),
         ("a.BDF", "BEGIN BULK\n", "there are none"),
         ("a.msh", "", "a .msh file"),
     ],
