@@ -71,14 +71,15 @@ class LineMesh:
 
 
 def freeze(mesh: Any) -> None:
-    """Replace the arrays of a mesh by read-only copies; for the ``__post_init__`` of a mesh."""
+    """Replace the arrays of a mesh by read-only copies; for the ``__post_init__`` of a mesh.
+    Tuples of texts remain."""
     for item in fields(mesh):
         value = getattr(mesh, item.name)
         kind = np.float64 if item.name in REAL else np.int64
         if isinstance(value, Mapping):
             frozen: Any = {str(name): _frozen(array, kind) for name, array in value.items()}
             object.__setattr__(mesh, item.name, MappingProxyType(frozen))
-        elif value is not None:
+        elif value is not None and not isinstance(value, tuple):
             object.__setattr__(mesh, item.name, _frozen(value, kind))
 
 

@@ -7,7 +7,7 @@ the choice of the author of the file.
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh, by_place
 from bladewhirl.meshes.files.abaqus_reader import read_abaqus
-from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
+from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, OtherCellsError, in_plane
 from bladewhirl.meshes.line_mesh import FloatArray
 
 STRAIGHT = re.compile(r"(T[23]D2|B[23][13]|PIPE[23]1|FRAME[23]D)(OS|R)?H?")
@@ -43,7 +43,7 @@ def read_inp(path: Path) -> GroupedLines:
                 "elements of first order, and shorter ones along curves"
             )
         if kind not in POINT_MASSES and not STRAIGHT.fullmatch(kind):
-            raise MeshFileError(f"lines only, found {count} cells of type {kind}")
+            raise OtherCellsError(f"lines only, found {count} cells of type {kind}")
     ends = {n: v[:2] for n, v in content.elements.items() if content.types[n] not in POINT_MASSES}
     if not ends:
         raise MeshFileError("a mesh with lines; there are none")
@@ -62,7 +62,16 @@ def read_inp(path: Path) -> GroupedLines:
         line_groups=by_place(elements, line),
         node_data=_mass_data(content, node),
         line_data=_section_data(content, line),
+        ignored=(*_ignored(content),),
     )
+
+
+def _ignored(content: AbaqusMesh) -> Iterator[str]:
+    """Yield the keywords that change the motion and are not read, with their number."""
+    counts = content.others + Counter(keyword[1:] for keyword, *_ in content.couplings)
+    yield from (f"{count} *{keyword}" for keyword, count in sorted(counts.items()))
+    if content.held:
+        yield f"*BOUNDARY of {len(content.held)} nodes"
 
 
 def _mass_data(content: AbaqusMesh, node: Mapping[int, int]) -> dict[str, FloatArray]:

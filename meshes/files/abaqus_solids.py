@@ -17,7 +17,7 @@ from bladewhirl.meshes.files.abaqus_faces import SOLIDS
 from bladewhirl.meshes.files.abaqus_keywords import HOURGLASS
 from bladewhirl.meshes.files.abaqus_mesh import AbaqusMesh, by_place
 from bladewhirl.meshes.files.abaqus_reader import SOLID, read_abaqus
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.groups import MeshFileError, OtherCellsError, places_of_nodes
 from bladewhirl.meshes.files.meshio_cells import POINT
 from bladewhirl.meshes.line_mesh import IntArray
 
@@ -73,7 +73,7 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
         if SOLID.fullmatch(kind):
             rows = solids.setdefault(kind, [])
             cell[number] = kind, len(rows)
-            rows.append([place.get(node, -1) for node in content.elements[number]])
+            rows.append(places_of_nodes(place, number, content.elements[number]))
     if other := [kind for kind in solids if kind not in SOLIDS]:
         raise MeshFileError(
             f"elements of the types {', '.join(SOLIDS)}; found {len(solids[other[0]])} of type"
@@ -82,7 +82,7 @@ def abaqus_mesh(path: Path, *, outside: bool = False) -> SolidMesh:
     if content.types and not solids:
         kinds = Counter(content.types.values()).items()
         found = ", ".join(f"{count} of type {kind}" for kind, count in kinds)
-        raise MeshFileError(
+        raise OtherCellsError(
             f"solids, elements of the types {', '.join(SOLIDS)}; found {found}: shells and beams"
             " are not read"
         )
@@ -136,7 +136,13 @@ def _rigid_bodies(content: AbaqusMesh, place: Mapping[int, int]) -> Iterator[tup
 
 
 def _sections(content: AbaqusMesh) -> Iterator[Section]:
+    """Yield the materials of sets of solids; a section of trusses, for instance, has none."""
     for group, material in content.solid_sections:
+        kinds = {content.types.get(number, "") for number in content.element_sets.get(group, ())}
+        if not kinds:
+            raise MeshFileError(f"a set {group} with elements, which a *SOLID SECTION names")
+        if not any(map(SOLID.fullmatch, kinds)):
+            continue
         if material.upper() not in content.materials:
             raise MeshFileError(f"*MATERIAL, NAME={material}, which a *SOLID SECTION names")
         unread = content.unread.get(material.upper(), "")

@@ -24,6 +24,10 @@ class MeshFileError(ValueError):
     """Error for an unreadable or unsuitable mesh file; the text completes "expected ..."."""
 
 
+class OtherCellsError(MeshFileError):
+    """Error for a mesh without the kind of cells that is looked for, lines or solids."""
+
+
 CONSTANTS = {
     "young_modulus": "a positive Young's modulus",
     "poisson_ratio": "a Poisson's ratio from 0 to less than 0.5",
@@ -37,6 +41,19 @@ def constant(key: str, value: float, place: str = "") -> float:
     if not (0.0 <= value < 0.5 if key == "poisson_ratio" else 0.0 < value < inf):
         raise MeshFileError(f"{CONSTANTS[key]}, got {value:g}{place}")
     return value
+
+
+def places_of_nodes(place: Mapping[int, int], element: int, nodes: Iterable[int]) -> list[int]:
+    """Return the places of the nodes of an element.
+
+    Raises:
+        MeshFileError: a node is not defined.
+    """
+    try:
+        return [place[node] for node in nodes]
+    except KeyError as error:
+        text = f"node {error.args[0]} of element {element} is not defined"
+        raise MeshFileError(f"all nodes of the elements; {text}") from None
 
 
 def check_numbers(lines: Iterable[str]) -> None:
@@ -62,6 +79,7 @@ class GroupedLines:
     line_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> numbers of lines
     node_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> values (nodes,)
     line_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> values (lines,)
+    ignored: tuple[str, ...] = ()  #: what the file says about the motion and is not read
 
     def __post_init__(self) -> None:
         freeze(self)

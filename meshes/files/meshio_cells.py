@@ -13,7 +13,7 @@ from meshio._mesh import topological_dimension
 from numpy.typing import NDArray
 
 from bladewhirl.files import reason_of
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.groups import MeshFileError, OtherCellsError
 
 # meshio 5.3 reads and writes wedges with 15 nodes, but has forgotten their dimension.
 topological_dimension.setdefault("wedge15", 3)
@@ -63,7 +63,7 @@ def line_blocks(mesh: meshio.Mesh) -> list[int]:
                 f"straight two-node lines, found {cells.format('curved ')}: mesh with elements of"
                 " first order, and shorter ones along curves"
             )
-        raise MeshFileError(f"lines only, found {cells.format('')}")
+        raise OtherCellsError(f"lines only, found {cells.format('')}")
     blocks = [n for n, block in enumerate(mesh.cells) if block.type == LINE and len(block.data)]
     if not blocks:
         raise MeshFileError("a mesh with lines; there are none")

@@ -17,7 +17,7 @@ import numpy as np
 
 from bladewhirl.files import open_text
 from bladewhirl.meshes.files.abaqus_solids import SolidMesh
-from bladewhirl.meshes.files.groups import MeshFileError, check_numbers
+from bladewhirl.meshes.files.groups import MeshFileError, check_numbers, places_of_nodes
 from bladewhirl.meshes.files.meshio_cells import readable
 from bladewhirl.meshes.files.nastran_coordinates import SYSTEMS, basic_points
 from bladewhirl.meshes.files.nastran_entries import Entry, entries
@@ -55,7 +55,19 @@ HARMLESS = (
     *("LOAD", "DLOAD", "[RT]LOAD[12]", "DAREA", "LSEQ", "SPCD", "TEMP*", "LOADCYN", "LOADCYT"),
     *("FREQ*", "TSTEP*", "TABLE*", "DELAY", "DPHASE", "PSHELL", "PBAR*", "PBEAM*"),
     *("PROD", "PBUSH*", "PELAS*", "PMASS", "PDAMP*", "PTUBE", "PSHEAR", "PGAP", "PVISC", "PLOTEL"),
-    *("MAT[45]", "MATS1", "DTI", "SET3", "GROUP", "BSURF*", "MONPNT*", "NLPARM", "MDLPRM"),
+    *(
+        "MAT[45]",
+        "MATS1",
+        "DTI",
+        "SET3",
+        "GROUP",
+        "ABSNMVS",
+        "ABSTRCT",
+        "BSURF*",
+        "MONPNT*",
+        "NLPARM",
+        "MDLPRM",
+    ),
     *("DRESP*", "DES*", "DV*REL*", "DVGRID", "DCON*", "DOPTPRM", "DLINK", "DEQATN", "DSCREEN"),
     *("CYJOIN", "CYSYM", "CYAX", "HMNAME", "HMCOLOR", "HMMOVE"),
 )
@@ -66,6 +78,7 @@ USUAL = {3: ("", "0", "BUBBLE"), 5: ("", "0", "REDUCED")}
 """Fields IN and ISOP of PSOLID, and texts with which the integration is the usual one."""
 
 SET = re.compile(r"^[ \t]*SET[ \t]+(\d+)[ \t]*=[ \t]*((?:.*,[ \t]*\n)*.*)$", re.I | re.M)
+COMMENT = re.compile(r"\$.*")
 CHOSEN = re.compile(r"^[ \t]*SPC[ \t]*=[ \t]*(\d+)", re.I | re.M)
 
 
@@ -83,6 +96,7 @@ def nastran_mesh(path: Path) -> SolidMesh:
         cards = defaultdict[str, list[Entry]](list)
         for entry in entries(text):
             cards[entry.name].append(entry)
+        text = COMMENT.sub("", text)
         if others := [name for name in OTHER_SOLIDS if name in cards]:
             raise MeshFileError(f"elements CTETRA, CPENTA and CHEXA; found {others[0]}")
         mesh, partly = _mesh(cards, text)
@@ -119,7 +133,7 @@ def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
                 )
             kind = types[len(nodes)]
             members[f"PSOLID {row.whole(1, row.whole(0))}"][kind].append(len(rows[kind]))
-            rows[kind].append([place.get(int(node), -1) for node in nodes])
+            rows[kind].append(places_of_nodes(place, row.whole(0), map(int, nodes)))
     cells = [
         (kind, np.array(one)[:, ORDERS.get(kind, list(range(len(one[0]))))])
         for kind, one in rows.items()

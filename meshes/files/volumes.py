@@ -14,7 +14,7 @@ from bladewhirl.meshes.files.abaqus_solids import Section, SolidMesh, abaqus_mes
 from bladewhirl.meshes.files.ansys import ansys_mesh
 from bladewhirl.meshes.files.formats import ABAQUS, format_of, unreadable
 from bladewhirl.meshes.files.gmsh import TAG, gmsh_mesh, is_member, unnamed_groups
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.groups import MeshFileError, OtherCellsError
 from bladewhirl.meshes.files.med import med_mesh
 from bladewhirl.meshes.files.meshio_cells import stacked
 from bladewhirl.meshes.files.nastran_bulk import nastran_mesh
@@ -181,7 +181,7 @@ def _volumes(source: SolidMesh, name: str) -> VolumeMesh:
     kinds = sorted({block.type for block in solid.values()})
     if not kinds or not set(kinds) <= ELEMENTS.keys():
         existing = f"found {', '.join(kinds)}" if kinds else "there are none"
-        raise MeshFileError(f"cells of the types {', '.join(ELEMENTS)}; {existing}")
+        raise OtherCellsError(f"cells of the types {', '.join(ELEMENTS)}; {existing}")
     sources: dict[str, list[int]] = {}
     for number, block in solid.items():
         element = source.elements[number] if source.elements else ELEMENTS[block.type]

@@ -123,6 +123,7 @@ def mesh(
     data = [f"{name} (nodes)" for name in lines.node_data]
     data += [f"{name} (lines)" for name in lines.line_data]
     listed = [f"data: {', '.join(data)}"] if data else []
+    listed += [f"not read: {', '.join(lines.ignored)}"] if lines.ignored else []
     emit(None, size, table(rows, GROUPS), *listed, json=False)
     if output is None:
         return
@@ -140,7 +141,7 @@ def mesh(
 def _content(source: Path, overrides: list[str]) -> GroupedLines | VolumeMesh:
     """Return the line mesh of a case file, or the mesh of lines or solids in a mesh file."""
     from bladewhirl.meshes.files.formats import OTHERS, format_of
-    from bladewhirl.meshes.files.groups import MeshFileError
+    from bladewhirl.meshes.files.groups import MeshFileError, OtherCellsError
     from bladewhirl.meshes.files.registry import read_line_mesh
     from bladewhirl.meshes.files.volumes import READERS, read_volume_mesh
     from bladewhirl.models.elements.build import case_beam_model
@@ -158,7 +159,8 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines | VolumeMesh:
             return read_volume_mesh(source)
         except MeshFileError as reason:
             both = dict.fromkeys((str(error), str(reason)))
-            if format_of(source) in OTHERS and format_of(source) in READERS:  # solids only
+            solids = isinstance(error, OtherCellsError) and not isinstance(reason, OtherCellsError)
+            if solids or format_of(source) in OTHERS:
                 both = {str(reason): None}
             raise UserError(f"{source}: expected {'; or '.join(both)}") from None
 

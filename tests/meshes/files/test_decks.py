@@ -320,7 +320,7 @@ def test_what_connects_nodes_is_named(tmp_path: Path) -> None:
         ("INCLUDE 'more.bdf'\n", r"without INCLUDE \(line 23\)"),
         ("CPYRAM,3,1,1,2,3,4,5\n", "found CPYRAM"),
         ("CTETRA,3,1,1,2,3,5,6\n", "4 or 10 nodes of each CTETRA; element 3"),
-        ("CTETRA,3,1,1,2,3,99\n", "some nodes are not defined"),
+        ("CTETRA,3,1,1,2,3,99\n", "node 99 of element 3 is not defined"),
         ("CQUAD4,3,1,1,2,3,4\n", "there are none"),
     ],
 )

@@ -165,6 +165,11 @@ def test_contradictions_of_nastran_are_refused(tmp_path: Path, more: str, reason
         read_volume_mesh(bulk(tmp_path, more=more))
 
 
+def test_comments_behind_sets_are_none_of_their_members(tmp_path: Path) -> None:
+    more = "SET 5 = 1, 2 $ PROP_34\nBEGIN BULK"
+    assert read_volume_mesh(bulk(tmp_path, ("BEGIN BULK", more))).groups["SET 5"].tolist() == [0, 1]
+
+
 def test_ranges_of_sets_have_exceptions(tmp_path: Path) -> None:
     more = "SET 5 = 1 THRU 9 EXCEPT 3 THRU 5, 20\nBEGIN BULK"
     mesh = read_volume_mesh(bulk(tmp_path, ("BEGIN BULK", more)))
@@ -372,6 +377,7 @@ def test_other_keywords_of_abaqus_are_named(tmp_path: Path) -> None:
         ("*ORIENTATION, NAME=O\n1, 0, 0, 0, 1, 0\n*NODEFILE\nU\n*ENDSTEP\n", None),
         ("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nroot, 20\n", None),
         ("*SECTION CONTROLS, NAME=E, HOURGLASS=ENHANCED\n", None),  # elements without such modes
+        ("*CONNECTOR BEHAVIOR, NAME=c\n", None),
         ("*ELEMENT, TYPE=T3D2, ELSET=edges\n900, 1, 2\n", None),  # as Gmsh writes edges
         (
             "*ELEMENT, TYPE=SFM3D4, ELSET=s\n900, 1, 2, 3, 4\n*SURFACE SECTION, ELSET=s\n",
@@ -462,6 +468,15 @@ def test_blanks_and_ends_of_lines_of_abaqus_do_not_matter(
     assert mesh.ignored == ()
     assert held(mesh) == mesh.groups["root"].tolist()
     assert len(mesh.sections[0].properties) == 3
+
+
+@pytest.mark.parametrize("kind", ["T3D2", "B31"])
+def test_sections_of_other_elements_than_solids_are_no_materials(tmp_path: Path, kind: str) -> None:
+    bar = f"*ELEMENT, TYPE={kind}, ELSET=b\n900, 1, 2\n*SOLID SECTION, ELSET=b, MATERIAL=steel\n"
+    with pytest.warns(Hint, match=f"1 elements {kind} of blade.inp are not read"):
+        first(abaqus(tmp_path, bar), clamped="root")
+    with pytest.raises(MeshFileError, match="a set none with elements, which a"):
+        read_volume_mesh(abaqus(tmp_path, "*SOLID SECTION, ELSET=none, MATERIAL=steel\n"))
 
 
 def test_materials_of_abaqus_that_depend_on_fields_are_refused(tmp_path: Path) -> None:

@@ -50,6 +50,12 @@ def test_a_case_is_written_and_read_as_a_mesh(tmp_path: Path, suffix: str) -> No
         assert mode["frequency"]["hz"] == pytest.approx(same["frequency"]["hz"], rel=1e-9)
 
 
+def test_what_a_deck_of_lines_says_and_is_not_read_is_listed(tmp_path: Path) -> None:
+    text = "*NODE\n1, 0, 0\n2, 1, 0\n*ELEMENT, TYPE=B23\n1, 1, 2\n*BOUNDARY\n1, 1, 6\n"
+    (tmp_path / "a.inp").write_text(f"{text}*MPC\nPIN, 1, 2\n*STEP\n*FREQUENCY\n5\n*END STEP\n")
+    assert bladewhirl("mesh", tmp_path / "a.inp").endswith("not read: 1 *MPC, *BOUNDARY of 1 nodes")
+
+
 def test_a_mesh_is_converted_as_it_is(tmp_path: Path) -> None:
     path = tmp_path / "fan.inp"
     assert "blade tips nodes 12" in bladewhirl("mesh", EXAMPLES / "shrouded_fan.msh", "-o", path)
@@ -143,7 +149,12 @@ def test_solids_are_listed_with_the_next_call(tmp_path: Path) -> None:
             "*NODE\n1, 0, 0\n*ELEMENT, TYPE=S4\n1, 1, 1, 1, 1\n",
             "or solids, elements of",
         ),
-        ("a.k", "*KEYWORD\n", "a mesh file, .vtu, .msh, .inp, not a deck of LS-DYNA; convert it"),
+        (
+            "solid.inp",
+            "*NODE\n1, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 1, 1, 9\n",
+            "solid.inp: expected all nodes of the elements; node 9 of element 1 is not defined",
+        ),
+        ("a.k", "*KEYWORD\n", ".bdf, .nas, .med, not a deck of LS-DYNA; convert it"),
         ("a.FEM", "BEGIN BULK\n", "not a deck of OptiStruct"),
         ("a.cdb", "/PREP7\n", "solids in NBLOCK and EBLOCK, as CDWRITE writes them"),
         ("a.BDF", "BEGIN BULK\n", "there are none"),
