@@ -33,7 +33,7 @@ from bladewhirl.models.solids.groups import (
 from bladewhirl.models.solids.joint_nodes import joint_pairs
 from bladewhirl.models.solids.materials import Given, materials_of
 from bladewhirl.models.solids.rigid import free_bodies, free_displacements
-from bladewhirl.models.solids.sectors import find_sector
+from bladewhirl.models.solids.sectors import find_bounds, find_sector
 from bladewhirl.models.solids.stress import nodal_stress
 from bladewhirl.models.solids.surface import surface_triangles
 from bladewhirl.models.solids.wheels import blade_by_blade, goes_round, wheel_of_sector
@@ -243,6 +243,8 @@ def mesh3d(
                 raise invalid("copies", copies, f"{expected} nodes do not lie on others")
         else:
             expected = f"left and right: no cut faces match after 1/{copies} of a turn about {axis}"
+            if (bounds := find_bounds(volumes)) is not None:
+                expected += f"; {bounds.missed(volumes.points, 'm')}"
             raise invalid("copies", copies, expected)
     elif (sides := sector_faces(left, right, copies)) is not None:
         first = group_nodes(volumes, "left", sides[0], axis)

@@ -13,7 +13,7 @@ from bladewhirl.models.inputs.units import to_si
 from bladewhirl.models.solids.groups import AXES
 from bladewhirl.models.solids.materials import SYMBOLS, of_file, unit_scale
 from bladewhirl.models.solids.positions import OUTERMOST, SHARE, nodes_where
-from bladewhirl.models.solids.sectors import Sector, find_sector, largest_gap
+from bladewhirl.models.solids.sectors import Bounds, Sector, find_bounds, find_sector, largest_gap
 from bladewhirl.models.solids.wheels import equal_blades, goes_round
 from bladewhirl.models.superelements.superelement import RADII
 
@@ -54,9 +54,9 @@ def proposed(mesh: VolumeMesh) -> Proposal:
         mesh: mesh in the axes and the unit of its file.
     """
     notes: list[str] = []
-    axis, sector, wheel = _axis(mesh, notes)
-    placed = replace(mesh, points=mesh.points[:, AXES.get(axis, AXES["z"])])
     unit, mass_unit = _units(mesh, notes)
+    axis, sector, wheel = _axis(mesh, unit, notes)
+    placed = replace(mesh, points=mesh.points[:, AXES.get(axis, AXES["z"])])
     surfaces = _surfaces(mesh)
     options = dict[str, str | bool]()
     for key in SYMBOLS:
@@ -77,8 +77,10 @@ def proposed(mesh: VolumeMesh) -> Proposal:
         options["contacts"] = str(FEW)
     if (sector is not None or wheel) and (blade := _named(mesh.cell_groups, BLADES)):
         options["blade"] = blade
-    if sector is not None:
+    if isinstance(sector, Sector):
         options |= _faces(mesh, sector)
+    elif sector is not None:
+        options["copies"] = UNKNOWN
     elif blades > 1:
         options["copies"] = str(blades)
         notes.append(f"copies: the mesh repeats after 1/{blades} of a turn")
@@ -95,8 +97,11 @@ def proposed(mesh: VolumeMesh) -> Proposal:
     return Proposal(options, tuple(notes))
 
 
-def _axis(mesh: VolumeMesh, notes: list[str]) -> tuple[str, Sector | None, bool]:
-    """Return the axis of rotation, a sector about it, and whether the mesh is a whole wheel."""
+def _axis(
+    mesh: VolumeMesh, unit: str, notes: list[str]
+) -> tuple[str, Sector | Bounds | None, bool]:
+    """Return the axis of rotation, the faces of a sector about it, and whether the mesh is a whole
+    wheel."""
     placed = {axis: replace(mesh, points=mesh.points[:, AXES[axis]]) for axis in AXES}
     sectors = {axis: found for axis, one in placed.items() if (found := find_sector(one))}
     with_bore = {axis: found for axis, found in sectors.items() if not found.on_axis}
@@ -113,6 +118,12 @@ def _axis(mesh: VolumeMesh, notes: list[str]) -> tuple[str, Sector | None, bool]
     if len(wheels) == 1:
         notes.append(f"axis: the mesh is a whole wheel about {wheels[0]}")
         return wheels[0], None, True
+    bounds = {axis: near for axis, one in placed.items() if (near := find_bounds(one))}
+    if bounds:
+        axis = max(bounds, key=lambda one: bounds[one].share)
+        missed = bounds[axis].missed(placed[axis].points, unit.replace(UNKNOWN, "units of length"))
+        notes.append(f"copies: about {axis}, {missed}")
+        return axis, bounds[axis], False
     round_ = [axis for axis, one in placed.items() if _is_round(one)]
     if len(round_) == 1:
         notes.append(f"axis: ends of the mesh are round about {round_[0]}; no cut faces match")

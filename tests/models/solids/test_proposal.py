@@ -14,10 +14,12 @@ from solid_meshes import (
     SECTORS,
     STEEL,
     TIE,
+    Array,
     bladed_sector,
     cantilever,
     deck,
     deck_text,
+    grid_mesh,
     wheel_frequencies,
 )
 
@@ -54,6 +56,12 @@ def turned(mesh: meshio.Mesh, axis: str) -> meshio.Mesh:
     return meshio.Mesh(mesh.points[:, ORDER[axis]], mesh.cells, point_sets=mesh.point_sets)
 
 
+def at_angle(radius: Array, pitches: Array, height: Array) -> Array:
+    """Return positions at radii, angles in pitches of a sector, and heights, (n, 3)."""
+    angle = 2.0 * np.pi / SECTORS * pitches
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+
+
 def wheel(mesh: meshio.Mesh) -> meshio.Mesh:
     """Return a wheel of copies of a sector whose faces are not joined."""
     angles = 2.0 * np.pi / SECTORS * np.arange(SECTORS)
@@ -86,10 +94,32 @@ def test_cut_faces_that_match_in_part_are_named(tmp_path: Path) -> None:
     moved = np.flatnonzero(np.isin(np.arange(len(mesh.points)), mesh.point_sets["right"]))
     mesh.points[moved[np.hypot(*mesh.points[moved, :2].T).argmax()], 2] *= 0.9
     path = deck(tmp_path, mesh, "C3D8")
-    expected = "cut faces match in part: . nodes that continue them, at radii from"
+    expected = "cut faces match in part: . nodes that touch the next sector, at radii from"
     assert re.search(expected, " ".join(answer("mesh", path).stdout.split()))
     with pytest.warns(Hint, match=expected):
         bw.mesh3d(path, **STEEL, copies=SECTORS)
+
+
+def test_sides_of_a_blade_are_not_taken_for_cut_faces_that_do_not_match(tmp_path: Path) -> None:
+    """They match after 1/36 of a turn, by which sectors would overlap."""
+    mesh = grid_mesh(
+        (5, 3, 1),
+        lambda place: at_angle(0.05 + 0.1 * place[:, 0], place[:, 1] - 0.5, 0.02 * place[:, 2]),
+        "hexahedron20",
+        lambda centre: centre[0] < 0.4 or 1 / 3 < centre[1] < 2 / 3,
+        moved=lambda place: (place[:, 0] == 0.2) & (place[:, 1] == 1.0),
+    )
+    path = deck(tmp_path, mesh, "C3D20R")
+    assert f"--copies {SECTORS} " in answer("mesh", path).stdout
+    mesh.points[mesh.point_sets["moved"], :2] *= 1.1
+    path = deck(tmp_path, mesh, "C3D20R")
+    printed = " ".join(answer("mesh", path).stdout.split())
+    missed = "about -15 and 15 degrees bound 1/12 of a turn, but their 13 and 13 nodes do not match"
+    assert missed in printed
+    assert "--copies '?' " in printed
+    for copies in (SECTORS, 3 * SECTORS):
+        with pytest.raises(bw.CaseError, match=f"{missed}.*0.007 m from the nearest"):
+            bw.mesh3d(path, **STEEL, clamped="r < 0.051", contact="outermost", copies=copies)
 
 
 @pytest.mark.parametrize("mesh", [cantilever("hexahedron20"), wheel(bladed_sector("tetra10"))])
