@@ -10,6 +10,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.models.superelements.critical_step import Limits
 from bladewhirl.models.superelements.frequencies import frequencies_by_diameter
 from bladewhirl.models.superelements.superelement import Superelement
 
@@ -27,6 +28,9 @@ MODES, FEW = 10, 6
 """Number of free-interface modes of each blade or sector, and of the blades of a wheel whose blades
 are not known."""
 
+FRICTION, LOOSE = 0.1, 0.5
+"""Coefficient of friction, at most this share of the one that locks a contact node."""
+
 SHARE = 0.6  #: largest time step, divided by the critical one
 
 RECORDS = 200  #: number of records in a revolution
@@ -41,7 +45,7 @@ def part_template(
     file: str,
     part: Superelement,
     lowest: Sequence[float],
-    critical: float,
+    limits: Limits,
     speeds: FloatArray | None,
     case: Path,
 ) -> str:
@@ -52,7 +56,7 @@ def part_template(
         part: the superelement.
         lowest: its lowest frequency at rest; of the wheel of a sector, and of one in one piece with
             known blades, that of each nodal diameter from 0, as far as known [rad/s].
-        critical: critical time step of its reduction to `modes_of` modes [s].
+        limits: limits of a march with its reduction to `modes_of` modes.
         speeds: range of speeds [rad/s]; by default about the speed at which a multiple of the lobes
             meets the lowest frequency, of a wheel that of the nodal diameter which this engine
             order excites: about the default of a case, unless the tips are too fast.
@@ -79,14 +83,17 @@ def part_template(
     if part.stiffness_speed is not None:
         effects = "centrifugal" if part.gyroscopic is None else "full"
         about = "stiffness at the speed" + ", Coriolis forces" * (effects == "full")
-    steps = STEPS * 2 ** max(0, ceil(log2(turn / (SHARE * critical * STEPS))))
+    steps = STEPS * 2 ** max(0, ceil(log2(turn / (SHARE * limits.time_step * STEPS))))
     of_steps = "twice as many show the error of the time steps"
     if steps > STEPS:  # the march is explicit
-        highest = f"{1e-3 / pi / critical:.3g} kHz"
+        highest = f"{1e-3 / pi / limits.time_step:.3g} kHz"
         of_steps = f"stable: modes with held contact nodes reach {highest}; fewer need fewer steps"
     file_line = f"file = {toml_value(file)}"
     wheel = _is_wheel(part)
     owner = "of the whole wheel" if wheel else "of each blade or sector"
+    friction = f"{FRICTION:g}"
+    if FRICTION > LOOSE * limits.friction:
+        friction = f"{LOOSE * limits.friction:.1g}  # contact nodes lock at {limits.friction:.2g}"
     records = handy(float(f"{turn / RECORDS:.2g}"), "s")
     copies, of = part.sectors or 1, "blades at equal angles, clamped at their roots"
     if part.left_dofs is not None:
@@ -125,7 +132,7 @@ profile = {{ harmonics = [{profile}] }}
 closure = {{ amount = "{amount}", time_constant = "{time}" }}
 
 [contact]
-friction = 0.1
+friction = {friction}
 sliding = "full"  # against the slip velocity, tangential and axial
 
 [rotation]

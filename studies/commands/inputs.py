@@ -61,7 +61,7 @@ def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
     from math import pi
 
     from bladewhirl.models.case.part_template import modes_of, part_template
-    from bladewhirl.models.superelements.critical_step import critical_time_step
+    from bladewhirl.models.superelements.critical_step import limits_of
     from bladewhirl.models.superelements.file import read_superelement
     from bladewhirl.models.superelements.frequencies import (
         frequencies_by_diameter,
@@ -75,8 +75,8 @@ def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:
     limit = ELASTIC * max(own.max() for own in found)
     lowest = [2.0 * pi * float(own[own > limit].min()) for own in found]
     ends = None if speeds is None else min(lowest) * speeds.values(min(lowest))
-    critical = critical_time_step(part, modes_of(part))
-    return part_template(os.path.relpath(file, case.parent), part, lowest, critical, ends, case)
+    limits = limits_of(part, modes_of(part))
+    return part_template(os.path.relpath(file, case.parent), part, lowest, limits, ends, case)
 
 
 def mesh(

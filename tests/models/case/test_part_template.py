@@ -16,7 +16,7 @@ from bladewhirl.models.case.part_template import FASTEST, LOBES, modes_of
 from bladewhirl.models.case.superelement import CLEARANCE, REVOLUTIONS, SPEED, STEPS
 from bladewhirl.models.stage.build import build_stage
 from bladewhirl.models.stage.matrices import Matrices
-from bladewhirl.models.superelements.critical_step import critical_time_step
+from bladewhirl.models.superelements.critical_step import limits_of
 from bladewhirl.models.superelements.superelement import Superelement
 from bladewhirl.postprocess.run.hints import ELASTIC
 from bladewhirl.studies.runs.properties import stage_properties
@@ -61,19 +61,23 @@ def test_a_case_for_a_part_runs_as_it_is(
 
 
 @pytest.mark.parametrize("kind", slow_except(["sector", "blade"], "blade"))
-def test_the_steps_of_a_case_suit_its_critical_time_step(tmp_path: Path, kind: str) -> None:
+def test_the_steps_and_the_friction_of_a_case_suit_its_part(tmp_path: Path, kind: str) -> None:
     part = parts(kind)
     bw.write_superelement(tmp_path / "part.npz", part)
     for speeds in ([], ["--speeds", "0 rpm:4000 rpm"]):
         answer("new", tmp_path / "part.toml", "--from", tmp_path / "part.npz", "--force", *speeds)
         case = bw.read_case(tmp_path / "part.toml")
-        found = stage_properties(cast(Matrices, build_stage(case)))
+        stage = cast(Matrices, build_stage(case))
+        found = stage_properties(stage)
         assert found["dt_over_critical"] < 1.0
         assert found["coordinates"] == part.size
         assert found["copies"] == case.bladed_disk.count
         assert len(found["contact_nodes"]) == part.contacts
     assert (case.march.steps_per_revolution or 0) > STEPS  # a revolution takes long
-    about = critical_time_step(part, modes_of(part))
+    about, locking = limits_of(part, modes_of(part))
+    of_stage = min(stage.locking_friction().values(), default=np.inf)
+    assert locking == pytest.approx(of_stage, rel=0.2)
+    assert case.contact.friction <= 0.6 * of_stage
     assert about == pytest.approx(found["critical_time_step"], rel=0.2)
     reached = f"reach {1e-3 / np.pi / about:.3g} kHz"
     assert reached in (tmp_path / "part.toml").read_text()
