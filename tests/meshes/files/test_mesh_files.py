@@ -1,6 +1,7 @@
 """Mesh files: what Gmsh writes is read whole, what is written comes back, the rest is refused."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -260,10 +261,9 @@ def test_two_groups_of_one_name_are_refused(tmp_path: Path) -> None:
 def test_names_that_a_format_does_not_hold(
     tmp_path: Path, suffix: str, groups: dict[str, dict[str, list[int]]], expected: str
 ) -> None:
-    frozen = {kind: {k: np.array(v) for k, v in named.items()} for kind, named in groups.items()}
-    mesh = GroupedLines(
-        points=np.array([[0.0, 0.0], [1.0, 0.0]]), lines=np.array([[0, 1]]), **frozen
-    )
+    arrays = {kind: {k: np.array(v) for k, v in named.items()} for kind, named in groups.items()}
+    points, lines = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0, 1]])
+    mesh = replace(GroupedLines(points=points, lines=lines), **arrays)
     with pytest.raises(MeshFileError, match=expected):
         write_line_mesh(tmp_path / f"a{suffix}", mesh)
     assert not [*tmp_path.iterdir()]
