@@ -3,6 +3,7 @@
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -261,7 +262,9 @@ def test_two_groups_of_one_name_are_refused(tmp_path: Path) -> None:
 def test_names_that_a_format_does_not_hold(
     tmp_path: Path, suffix: str, groups: dict[str, dict[str, list[int]]], expected: str
 ) -> None:
-    arrays = {kind: {k: np.array(v) for k, v in named.items()} for kind, named in groups.items()}
+    arrays: dict[str, Any] = {
+        kind: {k: np.array(v) for k, v in named.items()} for kind, named in groups.items()
+    }
     points, lines = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0, 1]])
     mesh = replace(GroupedLines(points=points, lines=lines), **arrays)
     with pytest.raises(MeshFileError, match=expected):
