@@ -7,9 +7,11 @@
  *
  * and are eliminated from the equations, which then are those of the nodes that slide. A node for which
  * friction does not suffice, |t| > friction p, leaves the set, one whose direction of sliding does not
- * converge enters it, first all at once, then one by one. For few nodes all sets are tried in the end,
- * from directions of sliding that spread over the circle: there can be several solutions or, above the
- * friction at which a blade locks itself against the wall, none, and no rule is known that always ends.
+ * converge enters it, first all at once, then one by one. If this does not end, the forces are relaxed
+ * node by node, which converges slowly, but for any number of nodes, where friction is below that at
+ * which they lock without the modes. For few nodes all sets are tried in the end, from directions of
+ * sliding that spread over the circle: there can be several solutions or, above that friction, none, and
+ * no rule is known that always ends.
  */
 #ifndef STICKING_H
 #define STICKING_H
@@ -17,8 +19,10 @@
 #include "group.h"
 
 enum { CHANGED_TOGETHER = 6 }; /* trials of a set before nodes are changed one by one */
+enum { RELAXED = 4000 };       /* sweeps over the nodes in which forces are relaxed */
 enum { FEW = 8 };              /* nodes of which all sets are tried */
 enum { MOST_SETS = 4096 };     /* trials of all sets from different directions of sliding */
+#define SETTLED 1e-13           /* change of a force in a sweep, as a share of the largest force */
 #define GOLDEN 2.399963229728653 /* angle, multiples of which spread over the circle */
 
 /* Eliminate the tangential forces of the nodes that stick: their lines of the equations become those
@@ -185,6 +189,59 @@ static int64_t change_stuck(const March *m, int64_t size, int solved, int only_f
     return changes;
 }
 
+/* Change the force of a node such that it is in equilibrium with those of the others. Returns the change
+ * and raises `largest` to the normal force. */
+static double relax_node(const March *m, int64_t i, int64_t size, double *largest)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    double *force = s->group_force.at + DIRECTIONS * i, slip[2], pull[2];
+    int64_t width = s->compliance.columns;
+    const double *row = s->compliance.at + DIRECTIONS * i * width, *own = row + DIRECTIONS * i;
+    double gap = s->gap.at[i] - dot(row, s->group_force.at, DIRECTIONS * size);
+    double normal = larger(0.0, -force[RADIAL] - gap / own[RADIAL]);
+    double change = fabs(normal + force[RADIAL]), held = m->stage.numbers->friction * normal;
+    force[RADIAL] = -normal;
+    slip_of(m, i, size, slip);
+    double a = own[TANGENTIAL * width + TANGENTIAL], b = own[AXIAL * width + AXIAL];
+    double both = 0.5 * (own[TANGENTIAL * width + AXIAL] + own[AXIAL * width + TANGENTIAL]);
+    double soft = 0.5 * (a + b) + hypot(0.5 * (a - b), both); /* largest flexibility along the wall */
+    for (int k = 0; k < 2; k++)
+        pull[k] = force[TANGENTIAL + k] - (soft > 0.0 ? slip[k] / soft : 0.0);
+    double length = hypot(pull[0], pull[1]);
+    for (int k = 0; k < 2; k++) {
+        if (length > 0.0)
+            s->direction.at[2 * i + k] = -pull[k] / length;
+        if (length > held)
+            pull[k] *= held / length;
+        change = larger(change, fabs(pull[k] - force[TANGENTIAL + k]));
+        force[TANGENTIAL + k] = pull[k];
+    }
+    *largest = larger(*largest, normal);
+    s->multiplier.at[i] = normal;
+    return change;
+}
+
+/* Compute the forces of a group node by node, by projected Gauss-Seidel iterations. Returns whether they
+ * converge. */
+static int relax_group(const March *m, int64_t size)
+{
+    NodeScratch *s = &m->scratch->nodes;
+    for (int64_t i = 0; i < DIRECTIONS * size; i++)
+        s->group_force.at[i] = 0.0;
+    for (int sweep = 0; sweep < RELAXED; sweep++) {
+        double change = 0.0, largest = 0.0;
+        for (int64_t i = 0; i < size; i++)
+            change = larger(change, relax_node(m, i, size, &largest));
+        if (change <= SETTLED * largest) {
+            respond(m, size, NULL);
+            return 1;
+        }
+        if (!(largest < INFINITY))
+            return 0;
+    }
+    return 0;
+}
+
 /* Compute the forces of a group with nodes that stick. Returns whether a set of them was found. */
 static int stick_group(const March *m, int64_t size)
 {
@@ -201,6 +258,8 @@ static int stick_group(const March *m, int64_t size)
     }
     int64_t wrong = change_stuck(m, size, 0, 0);
     for (int64_t trial = 1; wrong > 0 && trial < many + MOST_SETS; trial++) {
+        if (trial == many && !m->stage.coating && relax_group(m, size))
+            return 1;
         for (int64_t k = 0; k < few && trial >= many; k++) {
             int64_t start = (trial - many) >> few;
             double *d = s->direction.at + 2 * node[k], angle = GOLDEN * (double)(start * (k + 1));

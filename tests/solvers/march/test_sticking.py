@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from solid_meshes import SECTORS, STEEL, TIE, bladed_sector
 from symmetric_cases import write_parts
 
 import bladewhirl as bw
@@ -24,23 +25,31 @@ SPEED, STEP = 600.0, 5e-7
 def parts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("parts")
     write_parts(folder)
+    many = bw.mesh3d(bladed_sector("hexahedron20"), **STEEL, **TIE, contacts=4, coriolis=True)
+    bw.write_superelement(folder / "wheel.npz", many)
     return folder
 
 
 @pytest.mark.parametrize(
-    ("friction", "layer"),
-    [(0.3, None), (0.3, 4e10), pytest.param(1.5, None, marks=pytest.mark.slow)],
+    ("part", "friction", "layer"),
+    [
+        ("blade", 0.3, None),
+        ("blade", 0.3, 4e10),
+        ("blade", 1.5, None),
+        ("wheel", 1.0, None),  # up to 22 nodes touch at once
+    ],
 )
 def test_friction_holds_nodes_or_opposes_their_slip(
-    parts: Path, friction: float, layer: float | None
+    parts: Path, part: str, friction: float, layer: float | None
 ) -> None:
+    copies, amount, duration = (3, 1e-4, 8e-3) if part == "blade" else (SECTORS, 2e-4, 4e-3)
     casing: dict[str, Any] = {"type": "rigid", "clearance": 1e-4}
     casing |= {"clearance_lobes": [{"lobes": 2, "amplitude": 9e-5}]}
-    casing |= {"closure": {"amount": 1e-4, "time_constant": 5e-3}}
+    casing |= {"closure": {"amount": amount, "time_constant": 0.625 * duration}}
     if layer:
         casing["coating"] = {"thickness": 2e-3, "young_modulus": layer, "yield_stress": 1e15}
     case = {
-        "bladed_disk": {"superelement": {"file": str(parts / "blade.npz"), "copies": 3}},
+        "bladed_disk": {"superelement": {"file": str(parts / f"{part}.npz"), "copies": copies}},
         "reduction": {"free_interface_modes": 8},
         "casing": casing,
         "contact": {"friction": friction, "sliding": "full"},
@@ -48,7 +57,7 @@ def test_friction_holds_nodes_or_opposes_their_slip(
         "rotation": {"effects": "full"},
         "march": {"speed": f"{SPEED} rad/s", "time_step": STEP, "record_step": STEP},
     }
-    case["march"]["duration"] = 8e-3  # type: ignore[index]
+    case["march"]["duration"] = duration  # type: ignore[index]
     result, report = march_in_memory(prepare(bw.case_from(case)))
     assert report["unsolved_steps"] == 0
     force = result["contact_force"].values[1:]
