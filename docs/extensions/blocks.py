@@ -14,9 +14,9 @@ numbers in the text remain those of the blocks.
 
 A short run of a page shows that its blocks work: commands march at most `SHORT`, except where the
 speed follows a table or each march continues another, sweep two points of each key, follow branches
-over a few points, take a few draws and film two frames. What a short run prints is not compared
-with the text. Blocks below `long: reason` are left out. Pages with `whole: reason` in the front
-matter are never short; those with `long: reason` have no short run.
+over a few points, take a few draws and film two frames. Figures are coarse, with panels where they
+happen to be. What a short run prints is not compared with the text. Blocks below `long: reason` are
+left out, and all blocks of pages with `long: reason` in the front matter.
 
 `python blocks.py PAGE FOLDER` runs a page and prints the outputs of its blocks as a JSON list.
 """
@@ -33,11 +33,12 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
+from unittest import mock
 
 ROOT = Path(__file__).parents[2]
 RUN = ("python", "console")
-SHORT = 0.2
+SHORT = 0.1
 """Longest march of a command in a short run [s]."""
 
 _BLOCK = re.compile(
@@ -45,7 +46,6 @@ _BLOCK = re.compile(
     r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
     re.MULTILINE | re.DOTALL,
 )
-_WHOLE = re.compile(r"\A---\n(?:.+\n)*?whole: ")
 LONG = re.compile(r"\A---\n(?:.+\n)*?long: ")
 _PRINTED = re.compile(r"^<!-- printed: (.*?) -->$", re.MULTILINE)
 
@@ -185,6 +185,21 @@ def shortened(words: list[str]) -> list[str]:
     return short
 
 
+@contextlib.contextmanager
+def coarse_figures() -> Iterator[None]:
+    """Draw figures with few points and without the layout that keeps texts apart, which takes most
+    of their time."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    from bladewhirl.postprocess.plotting.style import STYLE
+
+    with (
+        mock.patch.object(ConstrainedLayoutEngine, "execute"),
+        mock.patch.dict(cast(dict[str, Any], STYLE), {"savefig.dpi": 30}),
+    ):
+        yield
+
+
 def run(text: str, folder: Path, *, short: bool = False) -> list[str]:
     """Run the blocks of a page in a folder; return the printed output of each block.
 
@@ -194,9 +209,9 @@ def run(text: str, folder: Path, *, short: bool = False) -> list[str]:
     from bladewhirl.models.inputs.errors import Hint
 
     warnings.simplefilter("ignore", Hint)  # commands print hints themselves
-    short = short and not _WHOLE.match(text)
     session = Session(folder.resolve(), short=short)
-    outputs = [session.run(block) for block in blocks(text) if block.runs]
+    with coarse_figures() if short else contextlib.nullcontext():
+        outputs = [session.run(block) for block in blocks(text) if block.runs]
     everything = " ".join(" ".join(outputs).split())
     for words in [] if short else _PRINTED.findall(text):
         if words not in everything:

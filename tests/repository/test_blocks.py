@@ -12,7 +12,7 @@ LONG = str(EXAMPLES / "imbalance.toml")  # marches longer than a short run
 @pytest.mark.parametrize(
     ("given", "short"),
     [
-        (f"run {LONG} --frames 20", f"run {LONG} --frames 2 --set march.duration=0.2"),
+        (f"run {LONG} --frames 20", f"run {LONG} --frames 2 --set march.duration=0.1"),
         (
             f"run {LONG} --set march.duration=0.02",
             f"run {LONG} --set march.duration=0.02 --frames 2",
@@ -20,7 +20,7 @@ LONG = str(EXAMPLES / "imbalance.toml")  # marches longer than a short run
         (
             f"sweep {LONG} --over march.speed=1:2:0.1 --over contact.friction=0,0.1,0.2",
             f"sweep {LONG} --over march.speed=1,2 --over contact.friction=0,0.2"
-            " --set march.duration=0.2",
+            " --set march.duration=0.1",
         ),
         (
             f"sweep {LONG} --set march.revolutions=20 -o map",

@@ -4,6 +4,7 @@ import re
 import shlex
 import shutil
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,16 @@ from bladewhirl.studies.commands.cli import app
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 DOCS = ROOT / "docs"
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *DOCS.glob("*.md")])
-PAGES = [ROOT / "README.md", *DOCS.glob("*.md"), *DOCS.glob("tutorials/*.md")]
+FOLDERS = ("reference", "theory", "tutorials")
+PAGES = [
+    ROOT / "README.md",
+    *DOCS.glob("*.md"),
+    *(p for f in FOLDERS for p in DOCS.glob(f"{f}/*.md")),
+]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+
+GROUP = cache(lambda: get_command(app))  # all commands; 0.2 s
 
 
 def code(language: str, text: str = README) -> list[str]:
@@ -48,7 +57,7 @@ def test_it_is_short() -> None:
 @pytest.mark.parametrize("arguments", commands(), ids=" ".join)
 def test_a_command_is_understood(arguments: list[str]) -> None:
     name, *rest = arguments
-    group = get_command(app)
+    group = GROUP()
     parent = group.make_context("bladewhirl", [name], resilient_parsing=True)
     command = group.get_command(parent, name)  # type: ignore[attr-defined]
     assert command is not None
@@ -59,7 +68,7 @@ def test_a_command_is_understood(arguments: list[str]) -> None:
 
 
 def test_every_command_has_its_row() -> None:
-    group = get_command(app)
+    group = GROUP()
     assert set(re.findall(r"^\| `bladewhirl ([\w-]+)` \|", README, flags=re.MULTILINE)) == set(
         group.commands  # type: ignore[attr-defined]
     )
@@ -147,6 +156,12 @@ def test_blocks_that_run_are_on_pages_that_the_site_executes() -> None:
     running = {name for name, text in TEXTS.items() if any(block.runs for block in blocks(text))}
     executed = {name for name, text in TEXTS.items() if text.startswith("---\nexecuted: true\n")}
     assert running == executed
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_python_of_a_page_is_python(name: str) -> None:
+    for code in (block.code for block in blocks(TEXTS[name]) if block.language == "python"):
+        compile(code, name, "exec")
 
 
 def test_every_key_of_the_template_is_in_the_reference() -> None:
