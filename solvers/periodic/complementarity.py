@@ -5,7 +5,7 @@ and with dampers in the static frame, it can have several, which differ in the t
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,14 +26,25 @@ class Complementarity:
     matrix: FloatArray  #: change A of the gaps by normal forces [m/N], (tips, tips)
     tolerance: float  #: largest penetration that counts as contact [m]
     angle: FloatArray  #: angle of each tip [rad], (tips,)
+    tried: dict[bytes, tuple[FloatArray, BoolArray] | None] = field(
+        default_factory=dict, compare=False
+    )
+    """Results of `forces_of` by set of tips: searches from different sets meet the same ones."""
 
     def gap(self, normal: FloatArray) -> FloatArray:
         """Return the gaps for normal forces, (tips,)."""
         return np.asarray(self.start + self.matrix @ normal)
 
-    def forces(self, chosen: BoolArray) -> FloatArray | None:
-        """Return the normal forces that close the gaps of a set of tips, (tips,); None if they are
-        not unique."""
+    def forces_of(self, chosen: BoolArray) -> tuple[FloatArray, BoolArray] | None:
+        """Return the normal forces that close the gaps of a set of tips, (tips,), and which tips
+        of the set pull and which others penetrate the wall, (tips,); None if the forces are not
+        unique."""
+        key = chosen.tobytes()
+        if key not in self.tried:
+            self.tried[key] = self._forces_of(chosen)
+        return self.tried[key]
+
+    def _forces_of(self, chosen: BoolArray) -> tuple[FloatArray, BoolArray] | None:
         normal = np.zeros(len(self.start))
         try:
             normal[chosen] = np.linalg.solve(
@@ -41,25 +52,20 @@ class Complementarity:
             )
         except np.linalg.LinAlgError:
             return None
-        return normal
-
-    def wrong(self, chosen: BoolArray, normal: FloatArray) -> BoolArray:
-        """Return which tips of a set pull, and which others penetrate the wall."""
-        return np.where(chosen, normal < 0.0, self.gap(normal) < -self.tolerance)
+        return normal, np.where(chosen, normal < 0.0, self.gap(normal) < -self.tolerance)
 
     def solved(self, chosen: BoolArray, changes: int = CHANGES) -> FloatArray | None:
         """Return the normal forces of a solution, from a set of tips in contact; None if the set
         still changes after a number of changes."""
         seen = set[bytes]()
         for _ in range(changes):
-            normal = self.forces(chosen)
-            if normal is None:
+            if (one := self.forces_of(chosen)) is None:
                 return None
-            wrong = self.wrong(chosen, normal)
+            normal, wrong = one
             if not wrong.any():
                 return normal
             if chosen.tobytes() in seen:  # change one tip only
-                wrong[np.flatnonzero(wrong)[:-1]] = False
+                wrong = np.arange(len(wrong)) == np.flatnonzero(wrong)[-1]
             seen.add(chosen.tobytes())
             chosen = chosen ^ wrong
         return None

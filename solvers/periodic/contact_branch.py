@@ -100,10 +100,9 @@ class ContactBranch:
         Raises:
             NotConverged: they are not unique.
         """
-        normal = self.at(parameter).tips.forces(chosen)
-        if normal is None:
+        if (found := self.at(parameter).tips.forces_of(chosen)) is None:
             raise NotConverged(f"the contact forces are not unique at {parameter:.6g}")
-        return normal
+        return found[0]
 
     def _room(self, parameter: float, chosen: BoolArray) -> FloatArray:
         """Return the forces of tips in contact [N] and the gaps of the others [m], (tips,)."""
