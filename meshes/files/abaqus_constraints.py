@@ -15,26 +15,30 @@ AXES |= {"XASYMM": {2, 3, 4}, "YASYMM": {1, 3, 5}, "ZASYMM": {1, 2, 6}}
 
 
 def read_boundary(card: Card, content: AbaqusMesh) -> None:
-    """Read the displacements that are held."""
-    if content.held and card.parameters.get("OP", "").upper() == "NEW":
-        content.others["BOUNDARY, OP=NEW, which frees nodes held before it"] += 1
+    """Read the displacements that are held; OP=NEW frees those of the steps before it."""
+    if card.parameters.get("OP", "").upper() == "NEW" and content.renewed != content.step:
+        for node, axes in content.held.items():
+            content.earlier.setdefault(node, set()).update(axes)
+        content.held, content.renewed = {}, content.step
     for how in ("USER", "SUBMODEL"):
         if how in card.parameters:
             content.others[f"BOUNDARY, {how}"] += 1
             return
     for row in card.rows:
         first, last, value = (*row[1:4], "", "", "")[:3]
-        axes = AXES.get(first.upper()) or {*range(whole(first), whole(last or first) + 1)}
+        nodes, axes = named(row[0], content, NODES), AXES.get(first.upper(), set())
         if not axes:
-            raise MeshFileError(f"degrees of freedom from low to high, got {first}, {last}")
-        nodes = named(row[0], content, NODES)
-        if not (moved := axes & {1, 2, 3, 4, 5, 6}):  # a temperature, for instance
+            low, high = whole(first), whole(last or first)
+            if low > high:
+                raise MeshFileError(f"degrees of freedom from low to high, got {first}, {last}")
+            axes = {one for one in range(1, 7) if low <= one <= high}
+        if not axes:  # a temperature, for instance
             continue
         if value and real(value):
             content.others["BOUNDARY of motions"] += 1
             continue
         for node in nodes:
-            content.held.setdefault(node, set()).update(moved)
+            content.held.setdefault(node, set()).update(axes)
 
 
 def read_coupling(card: Card, content: AbaqusMesh) -> None:

@@ -1,7 +1,7 @@
 """Contents of input of Abaqus and CalculiX, before they become a mesh of lines or of solids."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sized
 from copy import copy
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -51,6 +51,10 @@ class AbaqusMesh:
     """Other keywords that change the motion, and how often they are there."""
     held: dict[int, set[int]] = field(default_factory=dict)
     """Node -> displacements (1 to 3) and rotations (4 to 6) that are held."""
+    earlier: dict[int, set[int]] = field(default_factory=dict)
+    """Node -> displacements and rotations that were held before OP=NEW."""
+    step: int = 0  #: number of the step that is being read
+    renewed: int = 0  #: number of the last step with OP=NEW
     built: set[int] = field(default_factory=set)  #: elements with a section of any kind
     instances: dict[str, tuple[dict[int, int], dict[int, int]]] = field(default_factory=dict)
     """Instance in capitals -> numbers of its nodes and elements by their numbers in the part."""
@@ -74,7 +78,7 @@ class AbaqusMesh:
         for kind in ("node_sets", "element_sets"):
             own[kind] = {name: {**members} for name, members in own[kind].items()}
             self.count(sum(map(len, own[kind].values())))
-        self.count(sum(len(each) for each in own.values()))
+        self.count(sum(len(each) for each in own.values() if isinstance(each, Sized)))
         return replace(self, **own)
 
     def extend(
@@ -121,6 +125,8 @@ class AbaqusMesh:
         notes["*DISTRIBUTING with a reference node that is held"] += sum(
             not self.held.keys().isdisjoint(reference) for reference in self.distributed
         )
+        freed = sum(not axes <= self.held.get(node, set()) for node, axes in self.earlier.items())
+        notes["*BOUNDARY, OP=NEW, which frees nodes held before it"] += bool(freed)
         single = sum(bool({1, 2, 3} & self.held[node]) for node in partly)
         listed = [f"{count} {note}" for note, count in notes.items() if count]
         if single:

@@ -146,6 +146,8 @@ def _read(card: Card, content: AbaqusMesh) -> None:
             content.masses.append(("inertia", card.needs("ELSET"), real(card.rows[0][-1])))
         case "COUPLING" | "RIGID BODY" | "KINEMATIC COUPLING" | "KINEMATIC" | "DISTRIBUTING":
             read_coupling(card, content)
+        case "STEP":
+            content.step += 1
         case "BOUNDARY":
             read_boundary(card, content)
         case "TIE" if "CYCLICSYMMETRY" in card.parameters:
@@ -206,6 +208,8 @@ def _integers(row: list[str], content: AbaqusMesh) -> list[int]:
 def _read_property(card: Card, content: AbaqusMesh) -> None:
     """Read a property of the material that is being read; solids need one that is constant."""
     kind = card.parameters.get("TYPE", "ISOTROPIC").upper()
+    if not card.rows or content.material not in content.materials:
+        raise MeshFileError(f"*{card.keyword} with data, after a *MATERIAL")
     values = [real(value) if value else None for value in card.rows[0]]
     if card.keyword == "ELASTIC" and not kind.startswith("ISO"):
         content.unread[content.material] = f"*ELASTIC, TYPE={kind}"

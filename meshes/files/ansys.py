@@ -16,7 +16,7 @@ from bladewhirl.meshes.files.abaqus_solids import SolidMesh
 from bladewhirl.meshes.files.ansys_constraints import held_nodes
 from bladewhirl.meshes.files.ansys_elements import (
     Element,
-    check_once,
+    check_numbers_of,
     element_types,
     elements_of,
     other_blocks,
@@ -108,7 +108,7 @@ def ansys_mesh(path: Path) -> SolidMesh:
         types, keyopts = element_types(lines, commands)
         options = {kind: value for (kind, key), value in keyopts.items() if key == 2}
         elements, dropped = [*elements_of(lines, commands)], {*other_blocks(lines, commands)}
-        check_once(lines, commands, elements)
+        check_numbers_of(lines, commands, elements)
         used = {one.kind for one in elements}
         if unknown := used - types.keys():
             raise MeshFileError(f"a type for all elements; type {min(unknown)} has no ET")

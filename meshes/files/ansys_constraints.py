@@ -11,6 +11,9 @@ from bladewhirl.meshes.files.ansys_text import (
     whole_in,
     width_of,
 )
+from bladewhirl.meshes.files.groups import MeshFileError
+
+MOST_MEMBERS = 5_000_000  #: largest number of nodes of a range
 
 DISPLACEMENTS = frozenset(["UX", "UY", "UZ"])
 
@@ -29,8 +32,8 @@ def held_nodes(lines: list[str], commands: list[Command]) -> tuple[list[int], li
         node, label, value, _, end, step = (*given, *[""] * 6)[:6]
         nodes: Iterable[int] | None = components.get(node, selected if node == "ALL" else None)
         if is_number(node):
-            first = whole_in(node, line)
-            nodes = range(first, whole_in(end or node, line) + 1, whole_in(step or "1", line))
+            first, last = whole_in(node, line), whole_in(end or node, line)
+            nodes = _run(first, last, whole_in(step or "1", line))
         if nodes is None or (value and (not is_number(value) or float(value))):
             other += 1
             continue
@@ -47,8 +50,17 @@ def _components(lines: list[str], commands: list[Command]) -> Iterator[tuple[str
     for command, given, row, _ in commands:
         if command != "CMBLOCK" or given[1:2] != ["NODE"]:
             continue
-        width, members = width_of(lines[row + 1]), list[int]()
+        width, members = width_of(lines, row + 1), list[int]()
         for _, text in rows_of(lines, row + 2):
             for one in integers(text, width):
-                members += [one] if one >= 0 else range(members[-1] + 1, -one + 1)
+                if one < 0 and not members:
+                    raise MeshFileError(f"a number before {one}, the end of a range")
+                members += [one] if one >= 0 else _run(members[-1] + 1, -one)
         yield given[0], members
+
+
+def _run(first: int, last: int, step: int = 1) -> range:
+    """Return the numbers of a range, which a deck of a few lines can make of any length."""
+    if step < 1 or (last - first) // step > MOST_MEMBERS:
+        raise MeshFileError(f"ranges of at most {MOST_MEMBERS} nodes, got {first} to {last}")
+    return range(first, last + 1, step)

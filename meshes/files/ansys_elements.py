@@ -13,7 +13,10 @@ from bladewhirl.meshes.files.ansys_text import (
     whole_in,
     width_of,
 )
-from bladewhirl.meshes.files.groups import MeshFileError
+from bladewhirl.meshes.files.groups import MeshFileError, places_of_nodes
+
+NODES = re.compile(r"\D*(\d+)i(\d+),\s*\d*[eg](\d+)", re.IGNORECASE)
+"""Format of the rows of nodes: number and width of the integers, and width of the coordinates."""
 
 
 class Element(NamedTuple):
@@ -24,6 +27,7 @@ class Element(NamedTuple):
     kind: int  #: number of its type
     material: int
     constants: int  #: number of its real constants
+    nodes: list[int]
 
 
 def element_types(
@@ -42,7 +46,7 @@ def element_types(
         elif command == "KEYOPT" and len(given) > 2 and given[1].isdigit():
             options[whole_in(given[0], line), int(given[1])] = whole_in(given[2] or "0", line)
         elif command == "ETBLOCK":
-            width = width_of(lines[number + 1])
+            width = width_of(lines, number + 1)
             for row in lines[number + 2 : number + 2 + int(given[0])]:
                 values = integers(row, width)
                 types[values[0]] = values[1]
@@ -73,7 +77,7 @@ def elements_of(lines: list[str], commands: list[Command]) -> Iterator[Element]:
         MeshFileError: a block is not complete, or an element lacks mid-side nodes.
     """
     for start in _blocks(commands, solid=True):
-        width, rows = width_of(lines[start]), rows_of(lines, start + 1)
+        width, rows = width_of(lines, start), rows_of(lines, start + 1)
         for first, row in rows:
             values = integers(row, width)
             if len(values) < 11:
@@ -86,7 +90,10 @@ def elements_of(lines: list[str], commands: list[Command]) -> Iterator[Element]:
                 nodes += integers(row, width)
             if 0 in nodes[:size]:
                 raise MeshFileError(f"all mid-side nodes; element {values[10]} lacks some")
-            yield Element(range(first, last + 1), values[10], values[1], values[0], values[2])
+            kind, material, constants = values[1], values[0], values[2]
+            yield Element(
+                range(first, last + 1), values[10], kind, material, constants, nodes[:size]
+            )
 
 
 def other_blocks(lines: list[str], commands: list[Command]) -> dict[int, tuple[int, int]]:
@@ -96,23 +103,35 @@ def other_blocks(lines: list[str], commands: list[Command]) -> dict[int, tuple[i
     found: dict[int, tuple[int, int]] = {}
     for start in _blocks(commands, solid=False):
         found[start - 1] = found[start] = 0, 0
-        width = width_of(lines[start])
+        width = width_of(lines, start)
         for number, row in rows_of(lines, start + 1):
             _, kind, constants, *_ = (*integers(row, width), 0, 0, 0)
             found[number] = constants, kind
     return found
 
 
-def check_once(lines: list[str], commands: list[Command], elements: list[Element]) -> None:
-    """Check that no number of a node or an element is used twice."""
+def check_numbers_of(lines: list[str], commands: list[Command], elements: list[Element]) -> None:
+    """Check that no number of a node or an element is used twice, that coordinates are numbers, and
+    that all nodes of the elements are defined."""
     nodes = Counter[int]()
     for command, _, start, _ in commands:
-        if command == "NBLOCK":
-            width = width_of(lines[start + 1])
-            nodes.update(integers(row[:width], width)[0] for _, row in rows_of(lines, start + 2))
+        if command != "NBLOCK":
+            continue
+        form = lines[start + 1] if start + 1 < len(lines) else ""
+        if not (found := NODES.match(form)):
+            raise MeshFileError(f"a format such as (3i9,6e21.13e3), got {form.strip()[:40]!r}")
+        count, width, real = map(int, found.groups())
+        for _, row in rows_of(lines, start + 2):
+            nodes[(integers(row[:width], width) or [0])[0]] += 1
+            given = (row[at : at + real].strip() for at in range(count * width, len(row), real))
+            if not all(map(is_number, filter(None, given))):
+                raise MeshFileError(f"numbers as coordinates of a node, got {row[:60]!r}")
     for what, counts in (("node", nodes), ("element", Counter(one.number for one in elements))):
         if twice := [number for number, count in counts.items() if count > 1]:
             raise MeshFileError(f"each {what} once; {what} {twice[0]} is there twice")
+    defined = dict(nodes)
+    for one in elements:
+        places_of_nodes(defined, one.number, one.nodes)
 
 
 def real_constants(lines: list[str], commands: list[Command]) -> Iterator[tuple[int, int]]:

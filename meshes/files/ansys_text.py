@@ -116,8 +116,9 @@ def is_number(word: str) -> bool:
         return False
 
 
-def width_of(form: str) -> int:
-    """Return the width of the integers of a Fortran format such as (19i9)."""
+def width_of(lines: list[str], row: int) -> int:
+    """Return the width of the integers in the Fortran format in a row, such as (19i9)."""
+    form = lines[row] if row < len(lines) else ""
     found = re.search(r"\d+i(\d+)", form, re.IGNORECASE)
     if found is None:
         raise MeshFileError(f"a format such as (19i9), got {form.strip()[:40]!r}")

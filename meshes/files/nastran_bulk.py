@@ -125,15 +125,15 @@ def _mesh(cards: Cards, text: str) -> tuple[SolidMesh, list[str]]:
     members = defaultdict[str, defaultdict[str, list[int]]](lambda: defaultdict(list))
     for entry, types in CELLS.items():
         for row in cards[entry]:
-            nodes = row.members(2)
-            if len(nodes) not in types or len(nodes) != len(row.fields) - 2:
+            if (size := len(row.fields) - 2) not in types:
                 counts = " or ".join(map(str, types))
                 raise MeshFileError(
                     f"{counts} nodes of each {entry}; element {row.text(0)} has others"
                 )
-            kind = types[len(nodes)]
+            nodes = [row.whole(field) for field in range(2, len(row.fields))]
+            kind = types[size]
             members[f"PSOLID {row.whole(1, row.whole(0))}"][kind].append(len(rows[kind]))
-            rows[kind].append(places_of_nodes(place, row.whole(0), map(int, nodes)))
+            rows[kind].append(places_of_nodes(place, row.whole(0), nodes))
     cells = [
         (kind, np.array(one)[:, ORDERS.get(kind, list(range(len(one[0]))))])
         for kind, one in rows.items()

@@ -312,6 +312,8 @@ def test_a_property_of_ansys_in_its_short_form_is_read(tmp_path: Path) -> None:
         ),
         (r"(?s)(\nNBLOCK.*?\n)(?=N,)", r"\1\1", "each node once; node 1 is there twice"),
         (r"(?s)(\nEBLOCK.*?-1\n)", r"\1\1", "each element once; element 1 is there twice"),
+        (r"\n +32 +0 .*", "", r"node 32 of element \d is not defined"),
+        (r"2.0000000000000E-01", "2.0000000000x00E-01", "numbers as coordinates of a node"),
         (r"(?s)(\nEBLOCK.*)\n.*?\n *-1\n", r"\1\n", r"all 20 nodes of element \d"),
         (
             r"(?s)(\nEBLOCK.*\n.*?) *\d+\n( *-1\n)",
@@ -532,11 +534,22 @@ def test_boundary_conditions_of_abaqus_that_would_hold_nothing_are_refused(tmp_p
 
 
 def test_boundary_conditions_of_abaqus_that_free_nodes_are_named(tmp_path: Path) -> None:
-    freed = "*BOUNDARY\nroot, 1, 3\n*STEP\n*BOUNDARY, OP=NEW\ntip, 1, 3\n*END STEP\n"
-    (note,) = read_volume_mesh(abaqus(tmp_path, freed)).ignored
-    assert note.startswith("1 *BOUNDARY, OP=NEW")
-    only = "*STEP\n*BOUNDARY, OP=NEW\nroot, 1, 3\n*END STEP\n"
-    assert read_volume_mesh(abaqus(tmp_path, only)).ignored == ()
+    held_first, again = "*BOUNDARY\nroot, 1, 3\n", "*STEP\n*BOUNDARY, OP=NEW\nroot, 1, 3\n"
+    other = "*STEP\n*BOUNDARY, OP=NEW\ntip, 1, 3\n*BOUNDARY, OP=NEW\n1, 1, 3\n*END STEP\n"
+    mesh = read_volume_mesh(abaqus(tmp_path, held_first + other))
+    assert mesh.ignored == ("1 *BOUNDARY, OP=NEW, which frees nodes held before it",)
+    assert held(mesh) == sorted({0, *mesh.groups["tip"].tolist()})
+    for steps in (again, held_first + again, again + again):
+        mesh = read_volume_mesh(abaqus(tmp_path, steps))
+        assert mesh.ignored == ()
+        assert held(mesh) == mesh.groups["root"].tolist()
+
+
+def test_ranges_of_any_length_take_no_time(tmp_path: Path) -> None:
+    mesh = read_volume_mesh(abaqus(tmp_path, "*BOUNDARY\nroot, 1, 999999999999999\n"))
+    assert held(mesh) == mesh.groups["root"].tolist()
+    with pytest.raises(MeshFileError, match="ranges of at most 5000000 nodes, got 1 to 99999999"):
+        read_volume_mesh(cdb(tmp_path, more="D,1,ALL,,,99999999\n"))
 
 
 def test_grdset_holds_nodes_without_constraints_of_their_own(tmp_path: Path) -> None:
