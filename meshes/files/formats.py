@@ -35,15 +35,16 @@ BY_TEXT = {
 
 def format_of(path: Path) -> str:
     """Return the suffix of the format of a file: that of its name, or `ABAQUS` if its text is; for
-    .dat, which decks of several programs have, that of its text."""
+    .dat and .inp, which decks of several programs have, that of its text."""
     suffix = path.suffix.lower()
-    if suffix not in (ABAQUS, VTK, ".k"):  # LS-DYNA has keywords, too
-        head = head_of(path)
-        if is_abaqus_text(head):
-            return ABAQUS
-        if suffix == ".dat":
-            found = (kind for line in head for kind, of in BY_TEXT.items() if of.match(line))
-            return next(found, suffix)
+    if suffix in (VTK, ".k"):  # LS-DYNA has keywords, too
+        return suffix
+    head = head_of(path)
+    if is_abaqus_text(head):
+        return ABAQUS
+    if suffix in (".dat", ABAQUS):
+        found = (kind for line in head for kind, of in BY_TEXT.items() if of.match(line))
+        return next(found, suffix)
     return suffix
 
 

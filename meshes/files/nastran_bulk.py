@@ -69,7 +69,10 @@ HARMLESS = (
         "MDLPRM",
     ),
     *("DRESP*", "DES*", "DV*REL*", "DVGRID", "DCON*", "DOPTPRM", "DLINK", "DEQATN", "DSCREEN"),
-    *("CYJOIN", "CYSYM", "CYAX", "HMNAME", "HMCOLOR", "HMMOVE"),
+    *("CYJOIN", "CYSYM", "CYAX", "HMNAME", "HMCOLOR", "HMMOVE", "TOPVAR", "TABRND*", "RAND*"),
+    *("NLSTEP", "NLPCI", "TIC", "CHBDY*", "PHBDY", "QBDY*", "QHBDY", "QVOL", "SLOAD", "CONV*"),
+    *("PCONV*", "RADBC", "RADM", "RADSET", "VIEW*", "AE*", "CAERO*", "PAERO*", "SPLINE*", "SET2"),
+    *("FLUTTER", "FLFACT", "MKAERO*", "GUST", "TRIM"),
 )
 """Patterns of names of entries that say nothing about the linear motion, or belong to named ones.
 """

@@ -106,7 +106,7 @@ def test_a_density_of_zero_is_none(tmp_path: Path) -> None:
     assert first(path, clamped="SPC 1", density=7800.0) == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("suffix", [".dat", ".DAT"])
+@pytest.mark.parametrize("suffix", [".dat", ".DAT", ".inp"])
 def test_decks_are_recognised_by_their_text(tmp_path: Path, suffix: str) -> None:
     assert held(read_volume_mesh(bulk(tmp_path, suffix=suffix)))
     ansys(tmp_path / "a", rounded("hexahedron20", BOXES))

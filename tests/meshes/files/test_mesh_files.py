@@ -1,7 +1,6 @@
 """Mesh files: what Gmsh writes is read whole, what is written comes back, the rest is refused."""
 
 import os
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -262,11 +261,12 @@ def test_two_groups_of_one_name_are_refused(tmp_path: Path) -> None:
 def test_names_that_a_format_does_not_hold(
     tmp_path: Path, suffix: str, groups: dict[str, dict[str, list[int]]], expected: str
 ) -> None:
-    arrays: dict[str, Any] = {
+    frozen: dict[str, Any] = {
         kind: {k: np.array(v) for k, v in named.items()} for kind, named in groups.items()
     }
-    points, lines = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0, 1]])
-    mesh = replace(GroupedLines(points=points, lines=lines), **arrays)
+    mesh = GroupedLines(
+        points=np.array([[0.0, 0.0], [1.0, 0.0]]), lines=np.array([[0, 1]]), **frozen
+    )
     with pytest.raises(MeshFileError, match=expected):
         write_line_mesh(tmp_path / f"a{suffix}", mesh)
     assert not [*tmp_path.iterdir()]
