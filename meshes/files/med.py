@@ -14,6 +14,8 @@ from bladewhirl.meshes.files.groups import MeshFileError
 from bladewhirl.meshes.files.meshio_cells import readable
 from bladewhirl.meshes.hdf5 import open_hdf5
 
+CURVILINEAR = (1, 2)  #: numbers of cylindrical and spherical coordinates of a mesh
+
 
 def med_mesh(path: Path) -> SolidMesh:
     """Return the cells of a .med file with its groups.
@@ -30,7 +32,10 @@ def med_mesh(path: Path) -> SolidMesh:
             raise MeshFileError(
                 "a .med file as Salome and Code_Aster export it: this one is no HDF5"
             )
-        open_hdf5(path, kinds="iuf").close()
+        with open_hdf5(path, kinds="iuf") as file:
+            stored = file.get("ENS_MAA", {}).values()
+            if any(one.attrs.get("REP") in CURVILINEAR for one in stored):
+                raise MeshFileError("a .med file in Cartesian coordinates")
         mesh = med.read(str(path))
         cells = [(block.type, block.data) for block in mesh.cells]
         return SolidMesh(

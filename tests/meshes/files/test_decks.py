@@ -7,12 +7,13 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+import h5py
 import mapdl_archive
 import meshlane
 import numpy as np
 import pytest
 from pyyeti.nastran import bulk
-from written_decks import GROUPS, WRITERS, ansys, nastran, rounded
+from written_decks import GROUPS, WRITERS, ansys, code_aster, nastran, rounded
 
 import bladewhirl as bw
 from bladewhirl.meshes.files.groups import MeshFileError
@@ -334,6 +335,14 @@ def test_other_materials_of_bulk_data_are_refused_by_name(tmp_path: Path) -> Non
     bulk_data(tmp_path, text)
     with pytest.raises(CaseError, match="material 1 of PSOLID 1 is MAT9, which is not read"):
         bw.mesh3d(tmp_path / "brick.nas", clamped="SPC 5", contact="SET 4")
+
+
+def test_cylindrical_coordinates_of_code_aster_are_refused(tmp_path: Path) -> None:
+    code_aster(tmp_path / "a", rounded("hexahedron", (1, 1, 1)))
+    with h5py.File(tmp_path / "a.med", "r+") as file:
+        file["ENS_MAA/mesh"].attrs["REP"] = 1
+    with pytest.raises(MeshFileError, match="file in Cartesian coordinates"):
+        read_volume_mesh(tmp_path / "a.med")
 
 
 @pytest.mark.parametrize("suffix", [".cdb", ".bdf", ".med"])
