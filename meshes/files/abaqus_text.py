@@ -90,8 +90,7 @@ def cards(path: Path, *, follow: bool = True, outside: bool = False) -> Iterator
                 yield card
             card = line
         elif card is not None:
-            parts = line.rstrip(",").replace('"', "").split(",")
-            card.rows.append([part.strip() for part in parts])
+            card.rows.append(_parts(line.rstrip(",")))
     if card is None:
         raise MeshFileError("an .inp file, with keywords such as *NODE")
     yield card
@@ -112,12 +111,19 @@ def is_abaqus_text(lines: list[str]) -> bool:
     return re.match(r"\*\s*[A-Za-z][A-Za-z ]*(,|$)", first) is not None and "*SET," not in first
 
 
+def _parts(line: str) -> list[str]:
+    """Return what commas separate, without quotes; commas in quotes belong to a name."""
+    if '"' not in line:
+        return [part.strip() for part in line.split(",")]
+    pieces = line.split('"')
+    pieces[1::2] = [piece.replace(",", "\0") for piece in pieces[1::2]]
+    return [part.replace("\0", ",").strip() for part in "".join(pieces).split(",")]
+
+
 def _card(line: str, place: str) -> Card:
-    keyword, *parameters = (part.strip() for part in line[1:].split(","))
+    keyword, *parameters = _parts(line[1:])
     pairs = (parameter.partition("=") for parameter in parameters if parameter)
-    values = {
-        "".join(key.upper().split()): value.strip().strip('"').strip() for key, _, value in pairs
-    }
+    values = {"".join(key.upper().split()): value.strip() for key, _, value in pairs}
     return Card(spaced(keyword), values, place=place)
 
 

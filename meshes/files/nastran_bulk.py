@@ -1,7 +1,7 @@
 """Meshes of solids in bulk data of Nastran: free, small and large fields.
 
 Groups are the nodes that the SPC, SPC1 and SPCADD entries with one number and the field PS of GRID
-hold along x, y and z (``SPC 5``, ``PS``), the nodes of SET1 entries and of SET commands
+hold along x, y and z (``SPC 5``, ``PS``), the nodes of SET1 and SET3 entries and of SET commands
 (``SET 9``), and the elements of each property (``PSOLID 1``), which also have the material of its
 MAT1 entry. Every other entry is harmless for the linear motion, or named.
 """
@@ -46,9 +46,9 @@ OTHER_SOLIDS = ("CPYRAM", "CPYRA", "CTETRAR", "CHEXA1", "CHEXA2")
 
 USED = (
     *("GRID", "GRDSET", *SYSTEMS, *CELLS, "PSOLID", "MAT1"),
-    *("SPC", "SPC1", "SPCADD", "SET1", "PARAM"),
+    *("SPC", "SPC1", "SPCADD", "SET1", "SET3", "PARAM"),
 )
-"""Names of the entries that are read; of PARAM, WTMASS."""
+"""Names of the entries that are read; of PARAM, WTMASS, and of SET3, nodes."""
 
 HARMLESS = (
     *("ECHO*", "CORD3*", "EIG*", "FORCE*", "MOMENT*", "PLOAD*", "GRAV", "ACCEL*", "RFORCE*"),
@@ -247,6 +247,9 @@ def _node_sets(cards: Cards, text: str, nodes: list[int]) -> Iterator[tuple[str,
     for row in cards["SET1"]:
         if not _words(members := row.members(1)):
             sets[f"SET {row.whole(0)}"] += _listed(members, nodes)
+    for row in cards["SET3"]:
+        if row.text(1) == "GRID":
+            sets[f"SET {row.whole(0)}"] += _listed(row.members(2), nodes)
     for found in SET.finditer(text):
         words = found[2].replace(",", " ").replace("=", " ").upper().split()
         if all(word in ("THRU", "EXCEPT") or word.isdigit() for word in words):

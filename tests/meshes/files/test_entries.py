@@ -166,8 +166,11 @@ def test_contradictions_of_nastran_are_refused(tmp_path: Path, more: str, reason
 
 
 def test_comments_behind_sets_are_none_of_their_members(tmp_path: Path) -> None:
-    more = "SET 5 = 1, 2 $ PROP_34\nBEGIN BULK"
-    assert read_volume_mesh(bulk(tmp_path, ("BEGIN BULK", more))).groups["SET 5"].tolist() == [0, 1]
+    more = "SET 5 = 1, 2 $ PROP_34\nBEGIN BULK\nSET3,6,GRID,3,THRU,5\nSET3,7,ELEM,1"
+    groups = read_volume_mesh(bulk(tmp_path, ("BEGIN BULK", more))).groups
+    assert groups["SET 5"].tolist() == [0, 1]
+    assert groups["SET 6"].tolist() == [2, 3, 4]
+    assert "SET 7" not in groups
 
 
 def test_ranges_of_sets_have_exceptions(tmp_path: Path) -> None:
@@ -262,7 +265,7 @@ prnsol,u
         ("N,R5.1,LOC,       -1,\nEN,R5.5,ATTR,       -1,\nDOF,DELETE\nKUSE,0\n", ()),
         ("TB,BISO,1,1,2\nTBDATA,1,2e8,1e9\nETCONTROL,SET\nLUMPM,0\nCYCLIC\nNROTAT,ALL\n", ()),
         ("TB,ANEL,1,1,21\n", ("1 TB,ANEL",)),
-        ("LUMPM,ON\nBETAD,1e-6\n", ("1 BETAD", "1 LUMPM")),
+        ("LUMPM,ON\nBETAD,1e-6\nCM,hub,NODE\n", ("1 BETAD", "1 CM", "1 LUMPM")),
         ("CE,R5.0,DEFI,2,1,0.\nCE,R5.0,NODE,5,UX,1.\nCP,1,UX,5,6\n", ("1 CE", "1 CP")),
         ("D,5,UX,%TAB%\n", ("1 D of motions or selected nodes",)),
         ("NSEL,S,LOC,X,0\nD,ALL,ALL\n", ("1 D of motions or selected nodes",)),
@@ -479,6 +482,13 @@ def test_sections_of_other_elements_than_solids_are_no_materials(tmp_path: Path,
         first(abaqus(tmp_path, bar), clamped="root")
     with pytest.raises(MeshFileError, match="a set none with elements, which a"):
         read_volume_mesh(abaqus(tmp_path, "*SOLID SECTION, ELSET=none, MATERIAL=steel\n"))
+
+
+def test_names_in_quotes_may_have_commas(tmp_path: Path) -> None:
+    named = '*NSET, NSET="root, outer"\n1, 2\n*NSET, NSET=both\n"root, outer", 3\n'
+    groups = read_volume_mesh(abaqus(tmp_path, named)).groups
+    assert groups["root, outer"].tolist() == [0, 1]
+    assert groups["both"].tolist() == [0, 1, 2]
 
 
 def test_materials_of_abaqus_that_depend_on_fields_are_refused(tmp_path: Path) -> None:
