@@ -71,7 +71,9 @@ SURFACE = 154  #: number of the element of loads on surfaces
 SURFACE_STIFFNESS = (4, 6)
 """Numbers of the real constants of `SURFACE` that are a stiffness and a mass."""
 
-IGNORED = (*NAMES, SURFACE, 200)
+EMPTY = 200  #: number of the element of empty meshes
+
+IGNORED = (*NAMES, SURFACE, EMPTY)
 """Numbers of elements that are left out: contact, masses and springs, loads on surfaces, and empty
 meshes."""
 
@@ -110,12 +112,7 @@ def ansys_mesh(path: Path) -> SolidMesh:
         elements, dropped = [*elements_of(lines, commands)], {*other_blocks(lines, commands)}
         check_numbers_of(lines, commands, elements)
         used = {one.kind for one in elements}
-        if unknown := used - types.keys():
-            raise MeshFileError(f"a type for all elements; type {min(unknown)} has no ET")
-        if others := {types[kind] for kind in used} - {*SOLIDS, *IGNORED}:
-            new = {kind: f", for which SOLID{FORMER[kind]} stands" for kind in FORMER}
-            names = ", ".join(f"{kind}{new.get(kind, '')}" for kind in sorted(others))
-            raise MeshFileError(f"elements SOLID185, SOLID186, SOLID187; found elements {names}")
+        _check_types(types, used)
         sets = defaultdict[str, list[int]](list)
         for one in elements:
             if types[one.kind] in SOLIDS:
@@ -150,25 +147,35 @@ def ansys_mesh(path: Path) -> SolidMesh:
         )
 
 
+def _check_types(types: Mapping[int, int], used: Collection[int]) -> None:
+    """Check that the types of the elements that are used are known and read, or left out."""
+    if unknown := {*used} - types.keys():
+        raise MeshFileError(f"a type for all elements; type {min(unknown)} has no ET")
+    if others := {types[kind] for kind in used} - {*SOLIDS, *IGNORED}:
+        new = {kind: f", for which SOLID{FORMER[kind]} stands" for kind in FORMER}
+        names = ", ".join(f"{kind}{new.get(kind, '')}" for kind in sorted(others))
+        raise MeshFileError(f"elements SOLID185, SOLID186, SOLID187; found elements {names}")
+
+
 def _other_elements(
     lines: list[str], commands: list[Command], elements: list[Element], types: Mapping[int, int]
 ) -> Iterator[str]:
     """Yield the elements beside solids that change the motion, with their number."""
-    counts = Counter(types[one.kind] for one in elements)
-    for _, kind in other_blocks(lines, commands).values():
-        counts[types.get(kind, 0)] += 1
-    for number in sorted(counts.keys() & NAMES):
-        yield f"{counts[number]} elements {NAMES[number]}"
+    beside = [
+        (types.get(kind, 0), constants)
+        for constants, kind in other_blocks(lines, commands).values()
+        if kind
+    ]
+    counts = Counter(number for number, _ in beside)
+    own = [(types[one.kind], one.constants) for one in elements if types[one.kind] not in SOLIDS]
+    counts.update(number for number, _ in own)
+    for number in sorted(counts.keys() - {SURFACE, EMPTY}):
+        yield f"{counts[number]} elements {NAMES.get(number, number or 'of an unknown type')}"
     stiff = {
         number for number, place in real_constants(lines, commands) if place in SURFACE_STIFFNESS
     }
-    own = [one.constants for one in elements if types[one.kind] == SURFACE]
-    own += [
-        number
-        for number, kind in other_blocks(lines, commands).values()
-        if types.get(kind) == SURFACE
-    ]
-    if loaded := sum(number in stiff for number in own):
+    loaded = sum(number == SURFACE and constants in stiff for number, constants in own + beside)
+    if loaded:
         yield f"{loaded} elements SURF154 with a stiffness or a mass"
 
 

@@ -262,6 +262,8 @@ prnsol,u
     [
         (MECHANICAL.format(kind=154), ()),
         (MECHANICAL.format(kind=174), ("2 elements CONTA174",)),
+        (MECHANICAL.format(kind=181), ("2 elements 181",)),
+        (MECHANICAL.replace("\net,tid", "\ntype,tid"), ("2 elements of an unknown type",)),
         ("N,R5.1,LOC,       -1,\nEN,R5.5,ATTR,       -1,\nDOF,DELETE\nKUSE,0\n", ()),
         ("TB,BISO,1,1,2\nTBDATA,1,2e8,1e9\nETCONTROL,SET\nLUMPM,0\nCYCLIC\nNROTAT,ALL\n", ()),
         ("TB,ANEL,1,1,21\n", ("1 TB,ANEL",)),
