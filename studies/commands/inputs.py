@@ -27,9 +27,10 @@ ELASTIC = 1e-3
 
 
 def new(
-    path: Annotated[Path, typer.Argument()] = Path("case.toml"),
+    path: Annotated[Path | None, typer.Argument()] = None,
     part: Annotated[Path | None, typer.Option("--from", metavar="PART")] = None,
     speeds: Annotated[options.Span | None, options.span("--speeds")] = None,
+    output: options.OutputFile = None,
     force: options.Force = False,
 ) -> None:
     """Write a case file with every key, its default and its meaning; or one for a superelement.
@@ -38,21 +39,25 @@ def new(
     frequency and the radius of the superelement.
 
     Args:
-        path: File to write.
+        path: File to write; by default case.toml.
         part: File of a superelement, .npz or .mat.
         speeds: Range of speeds for --from. Default: about a quarter of the lowest frequency.
+        output: The file to write, as for other commands.
     """
     from bladewhirl.files import write_atomically
     from bladewhirl.models.case.template import template
 
     if part is None:
         options.omitted("a case without --from", {"--speeds": speeds})
+    if path is not None:
+        options.omitted("another file to write", {"--output": output})
+    path = path or output or Path("case.toml")
     options.refuse_existing(path, force=force)
     text = template() if part is None else _case_of(part, speeds, path)
     with writing(path):
         path.parent.stat()  # an error if the folder does not exist
         write_atomically(path, text)
-    typer.echo(f"Wrote {path}.")
+    typer.echo(f"Wrote {path}{'' if part is None else ', which begins with commands for it'}.")
 
 
 def _case_of(file: Path, speeds: options.Span | None, case: Path) -> str:

@@ -148,6 +148,8 @@ def mesh3d(
     typer.echo(f"Wrote {output}.")
     picture = draw_part(part, output.with_suffix(".png"))
     typer.echo(f"Wrote {picture}.")
+    case = str(output.with_suffix(".toml"))
+    typer.echo(f"To make a case: {shlex.join(['bladewhirl', 'new', case, '--from', str(output)])}")
 
 
 def command_line(source: Path, given: Mapping[str, Any], output: Path | None) -> str:

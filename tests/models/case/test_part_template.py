@@ -38,7 +38,8 @@ def test_a_case_for_a_part_runs_as_it_is(
     bw.write_superelement("part.npz", part)
     Path("cases").mkdir()
     assert (
-        answer("new", "cases/part.toml", "--from", "part.npz").stdout == "Wrote cases/part.toml.\n"
+        answer("new", "cases/part.toml", "--from", "part.npz").stdout
+        == "Wrote cases/part.toml, which begins with commands for it.\n"
     )
     text = Path("cases/part.toml").read_text()
     for of_beams in ("elements", "disk_kind", "fixed_interface_modes", "suspension"):

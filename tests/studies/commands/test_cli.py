@@ -33,7 +33,7 @@ RUNNER = CliRunner()
 
 def test_new_writes_the_default_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for arguments in (["new"], ["new", "--force"]):
+    for arguments in (["new"], ["new", "--force", "-o", "case.toml"]):
         assert RUNNER.invoke(app, arguments).exit_code == 0
         assert read_case("case.toml") == Case()
 
