@@ -2,8 +2,10 @@
 
 import gc
 import os
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 # As the command line does; read when NumPy is first loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -37,11 +39,19 @@ def can_draw() -> None:
         pytest.skip(str(error))
 
 
-@pytest.fixture
-def pictures_unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make figures without laying them out and drawing them: .png and .pdf are empty files."""
+@pytest.fixture(autouse=True, scope="module")
+def pictures_unsaved(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Make figures without laying them out and drawing them, which takes most of their time: .png
+    and .pdf are empty files, except in modules with the mark `pictures`."""
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    monkeypatch.setattr(Figure, "savefig", lambda _, target, **options: Path(target).touch())
-    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+    def savefig(_: Figure, target: Any, **options: Any) -> None:
+        if isinstance(target, str | Path):
+            Path(target).touch()
+
+    with pytest.MonkeyPatch.context() as patch:
+        if not request.node.get_closest_marker("pictures"):
+            patch.setattr(Figure, "savefig", savefig)
+            patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+        yield

@@ -39,7 +39,6 @@ def test_the_tour_names_all() -> None:
     assert set(bw.__all__) - {"__version__"} <= named
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_its_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     tour = bw.__doc__ or ""

@@ -27,6 +27,7 @@ BROWSER = next(
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.pictures,
     pytest.mark.skipif(not BROWSER, reason="no chromium or chrome is installed"),
 ]
 

@@ -83,7 +83,6 @@ def test_the_two_commands_install_run_and_test() -> None:
     assert re.fullmatch(install + r"pytest -n auto", tests)
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     [text] = code("python")
     shorter = text.replace("march.duration=0.5", "march.duration=0.02")

@@ -235,7 +235,6 @@ def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
         assert len(result.stderr.splitlines()) == 1
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_the_command_charts_unlike_blades(tmp_path: Path) -> None:
     case, folder = str(EXAMPLES / "mistuned_blades.toml"), tmp_path / "chart"

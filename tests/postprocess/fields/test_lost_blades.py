@@ -30,6 +30,8 @@ from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
+pytestmark = pytest.mark.pictures
+
 CHANGES = (
     "bladed_disk.blades=9",
     "reduction.fixed_interface_modes=36",

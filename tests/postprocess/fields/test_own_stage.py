@@ -27,7 +27,6 @@ def case(sketch: bw.Sketch) -> bw.Case:
     )
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     """Three blades at odd angles: nothing turns them into each other."""
@@ -48,7 +47,6 @@ def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     assert (folder / "bladed-disk-shapes.png").is_file()
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
     """Its folder alone is enough to run it again: neither case nor result names the first place."""

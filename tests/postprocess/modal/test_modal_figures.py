@@ -31,6 +31,8 @@ from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
 from bladewhirl.studies.modal.scenarios import scenario_dataset, whirling_modes
 
+pytestmark = pytest.mark.pictures
+
 RECORDS = np.arange(PICTURES)
 
 

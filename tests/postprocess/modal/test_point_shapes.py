@@ -85,7 +85,6 @@ def test_of_a_closed_surface_the_side_towards_the_viewer_is_drawn() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_the_command_draws_both_bodies(tmp_path: Path) -> None:
     wheel = exported(beams(rotation={"effects": "full"}), "wheel", tmp_path)
     (tmp_path / "case.toml").write_text(bw.dumps_case(wheel), encoding="utf-8")

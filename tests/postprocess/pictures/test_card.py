@@ -20,6 +20,8 @@ from bladewhirl.postprocess.run.extremes import largest_force
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.histories import contact_force
 
+pytestmark = pytest.mark.pictures
+
 STAGE, HISTORY, CLOCK, STRESS, CASING, CAMPBELL = range(6)
 
 

@@ -18,6 +18,8 @@ from bladewhirl.postprocess.pictures.printed import printed
 from bladewhirl.postprocess.pictures.render import strongest_contact
 from bladewhirl.postprocess.plotting.style import COLUMN_WIDTH, FULL_WIDTH
 
+pytestmark = pytest.mark.pictures
+
 
 @pytest.mark.parametrize("kind", slow_except(KINDS, "blade"))
 def test_letters_lie_apart_and_the_title_has_the_largest_force(kind: Kind) -> None:

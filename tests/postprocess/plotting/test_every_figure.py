@@ -20,6 +20,8 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
+pytestmark = pytest.mark.pictures
+
 EXAMPLES = Path(__file__).parents[3] / "examples"
 COATING = {"thickness": 2e-3, "young_modulus": 1e9, "yield_stress": 1e6, "hardening": 5e6}
 TIMING = {"type": "tip-timing", "name": "btt", "probes": [0.0], "sampling_rate": 80e6}

@@ -16,6 +16,8 @@ from bladewhirl.postprocess.plotting.hover import FULL, hover_data
 from bladewhirl.postprocess.plotting.style import laid_out, new_figure, save_figure, time_axis
 from bladewhirl.postprocess.run.figures import RunFigures
 
+pytestmark = pytest.mark.pictures
+
 
 def drawn() -> Figure:
     """A curve over time in ms, logarithmic upward; a map with a colour bar."""

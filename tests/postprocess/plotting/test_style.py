@@ -21,6 +21,8 @@ from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.postprocess.plotting.titles import head, speed_label
 from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 
+pytestmark = pytest.mark.pictures
+
 
 class TestFiguresOfARun:
     @pytest.mark.slow

@@ -11,6 +11,8 @@ from bladewhirl.postprocess.plotting.style import at_width
 from bladewhirl.postprocess.run.close_up import close_up
 from bladewhirl.postprocess.run.figures import RunFigures
 
+pytestmark = pytest.mark.pictures
+
 PATH, GAP, FORCE, STROBE = range(4)
 
 

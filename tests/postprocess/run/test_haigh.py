@@ -12,6 +12,8 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.haigh import haigh, plot_haigh
 from bladewhirl.postprocess.run.stresses import stress_history
 
+pytestmark = pytest.mark.pictures
+
 LIMITS = {"endurance": 2e8, "strength": 9e8}
 
 

@@ -11,6 +11,8 @@ from bladewhirl.models.inputs.units import to_si
 from bladewhirl.postprocess.run import sensor_figures
 from bladewhirl.postprocess.run.figures import RunFigures
 
+pytestmark = pytest.mark.pictures
+
 SENSORS = [
     {"type": "strain", "span": 0.4, "name": "gauge"},
     {"type": "tip-timing", "probes": [0.0, "90 deg"], "name": "btt"},

@@ -18,6 +18,8 @@ from bladewhirl.postprocess.run.waterfall import sensor_waterfall
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
+pytestmark = pytest.mark.pictures
+
 CASE = """
 [bladed_disk]
 blades = 5

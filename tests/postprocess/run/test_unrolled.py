@@ -15,6 +15,8 @@ from bladewhirl.postprocess.plotting.style import at_width
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.unrolled import unrolled, whole_run
 
+pytestmark = pytest.mark.pictures
+
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_places_have_seen_the_extremes_of_a_plain_loop(kind: Kind) -> None:

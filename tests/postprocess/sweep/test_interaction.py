@@ -18,6 +18,8 @@ from bladewhirl.postprocess.run.extremes import largest_force
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 
+pytestmark = pytest.mark.pictures
+
 SPEEDS, CLEARANCES = (60.0, 80.0, 100.0), (1e-3, 2e-3)
 
 

@@ -220,7 +220,6 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
     assert len(plot_sweep_maps(maps).axes) == 2 * 2 + 1
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_all_figures_come_with_their_data(one: Path, tmp_path: Path) -> None:
     result = answer("plot", one, "all", "-o", tmp_path)

@@ -23,6 +23,8 @@ from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_m
 from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes
 from bladewhirl.postprocess.sweep.shaft import plot_contact_sides
 
+pytestmark = pytest.mark.pictures
+
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.1, 1.2)
 

@@ -16,7 +16,7 @@ from bladewhirl.postprocess.plotting.registry import BRANCH_FIGURES, SWEEP_FIGUR
 from bladewhirl.postprocess.plotting.style import COLUMN_WIDTH, FULL_WIDTH, at_width
 from bladewhirl.postprocess.run.figures import RunFigures
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.pictures]
 EXAMPLES = Path(__file__).parents[3] / "examples"
 WIDTHS = pytest.mark.parametrize("width", [COLUMN_WIDTH, FULL_WIDTH])
 SPEEDS = ["--over", "march.speed=0.95:1.1:0.05"]

@@ -73,7 +73,6 @@ def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None
     assert all(mode["family"] != "suspension" for mode in clamped["bladed_disk"])
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motion, "PICTURES", 4)
@@ -97,7 +96,6 @@ def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.Monk
     assert (folder / "1F-1.gif").read_text() == "[0 1 2 3]"
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) -> None:
     effects = (*SMALL, "--set", "rotation.effects=full", "-o", tmp_path / "new", "--no-films")

@@ -32,7 +32,6 @@ def made(folder: Path, speed: float) -> Path:
     return folder
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_come_with_their_data(directory: Path) -> None:
     answer("plot", directory, "state-space", "spectrum")
     expected = {f"{n}.{end}" for n in ("state-space", "spectrum") for end in ("png", "nc")}
@@ -46,7 +45,6 @@ def test_figures_come_with_their_data(directory: Path) -> None:
         assert peak == pytest.approx(-70.0, abs=5.0)
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
     window = ["--from", "0.1", "--to", "200 ms", "-o", tmp_path / "figures"]
     answer("plot", directory / "result.nc", "gaps", "orbit", "gaps", *window)
@@ -66,7 +64,6 @@ def test_a_figure_for_a_paper(directory: Path) -> None:
     assert "rpm)" not in text  # the title that it has by default
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)

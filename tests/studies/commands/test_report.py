@@ -24,6 +24,8 @@ from bladewhirl.postprocess.run.extremes import largest_force, stress_split
 from bladewhirl.postprocess.run.histories import contact_force
 from bladewhirl.postprocess.run.stresses import stress_history
 
+pytestmark = pytest.mark.pictures
+
 MARCHED = {
     "complementarity_residual": 3.25e-12,
     "unsolved_steps": 0,

@@ -26,8 +26,6 @@ from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 RUNNER = CliRunner()
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
 FILES = [
     *("case.toml", "checkpoint.npz", "energy.nc", "energy.png", "manifest.json"),
     *("orbit.nc", "orbit.png", "provenance.json", "result.nc", "summary.json"),

@@ -22,9 +22,6 @@ POINT = ["--speed", "1.17", "--kappa", "500"]
 SMALL = ["--speeds", "0.6:3:0.2", "--kappas", "0:1000:250"]
 
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
-
 def run(*arguments: str) -> str:
     return answer("stability", FAN_STAGE, *arguments).stdout
 

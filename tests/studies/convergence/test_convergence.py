@@ -148,7 +148,6 @@ def test_a_march_that_cannot_be_made(store: RunStore) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStore) -> None:
     """In a folder where the marches are, as after an interruption."""
     store.make([with_values(SHORT, {TIME_STEP: 2e-6}), with_values(SHORT, {MODES_KEPT: 6}), SHORT])

@@ -12,8 +12,6 @@ import bladewhirl as bw
 from bladewhirl.files import listed
 from bladewhirl.studies.runs.sensor_files import write_sensors
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
 SENSORS = [
     {"type": "strain", "span": 0.1, "noise": 1e-7},
     {"type": "tip-timing", "probes": [0.0, "180 deg"], "name": "btt"},

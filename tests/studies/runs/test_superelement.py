@@ -86,7 +86,6 @@ def test_a_run_records_contact_nodes_and_closes_the_ledger(run: Run) -> None:
     assert len(list((run.directory / "vtk" / "frames").glob("rotor_*.vtu"))) == 3
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_run_can_be_continued(run: Run, file: Path, tmp_path: Path) -> None:
     half = tables(file, march__duration=0.01)
     bw.run(bw.case_from(half), tmp_path / "half", frames=0)
@@ -382,7 +381,6 @@ def test_show_draws_the_blades_and_the_wall(file: Path, tmp_path: Path) -> None:
     assert "points and recovery" in refusal("show", case, "--png")
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_a_run_has_figures_by_name_and_a_report(run: Run, tmp_path: Path) -> None:
     answer("export", run.directory, "--frames", "2", "-o", tmp_path / "series")

@@ -20,8 +20,6 @@ from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.run import locked, resume
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
 
 def long(**values: object) -> bw.Case:
     """Return the small case with a duration of 0.1 s."""

@@ -21,8 +21,6 @@ from bladewhirl.studies.runs.properties import stage_properties
 from bladewhirl.studies.runs.recorded_march import expected_bytes
 from bladewhirl.studies.runs.run import resume
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
 COATING = {
     **{"thickness": 5e-3, "young_modulus": 1e9, "yield_stress": 1e7, "hardening": 5e7},
     "elements": 630,

@@ -79,7 +79,6 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(folder: Path, tmp_path: Path)
             np.testing.assert_array_equal(found[name].values, expected[name].values)
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_a_moved_run_has_copies_of_the_files_of_all_wheels(tmp_path: Path) -> None:
     """Of the wheel, of another one and of the one that has lost a blade, beside the case file."""
@@ -121,7 +120,6 @@ axial = {{ position = 0, stiffness = 5e7 }}
         assert str(tmp_path) not in result.attrs["case"]
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_a_run_has_the_rings_of_all_wheels(tmp_path: Path) -> None:
     """Two wheels are pressed into rings by gravity; figures have the rings one by one."""

@@ -30,7 +30,7 @@ from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
 
 Found = Callable[["subprocess.Popen[bytes]"], list[psutil.Process]]
 
-pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
+pytestmark = pytest.mark.slow
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -12,8 +12,6 @@ from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
 TURNING = {"rotation.effects": "full", "excitation.ramp": 0.0, "casing.clearance": 0.02}
 FREE = {
     "march.speed": 1.0,

@@ -103,7 +103,6 @@ def test_lost_points_are_marched_again_with_the_same_bits(swept: Path) -> None:
     assert (swept / SWEEP_NAME).read_bytes() == before
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.slow
 def test_it_has_figures_and_a_report(swept: Path, tmp_path: Path) -> None:
     messages = answer("plot", swept, "all", "-o", tmp_path).stderr

@@ -38,8 +38,6 @@ from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, wri
 from bladewhirl.studies.sweeps.points import Failure, Point, Work
 from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
-pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
 TOO_MANY_MODES = 50_000
 
 
