@@ -14,6 +14,8 @@ from bladewhirl.models.shaft_line import hub_waves
 from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.superelements.file import write_superelement
 
+pytestmark = pytest.mark.pictures
+
 CASE = """
 [shaft_line]
 segments = [{ length = "1 m", outer_diameter = "50 mm", elements = 4 }]
