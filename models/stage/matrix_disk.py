@@ -30,6 +30,7 @@ from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.superelement_structure import (
+    blocks_of_sectors,
     on_springs,
     structure_of,
     wheel_over_speeds,
@@ -43,7 +44,6 @@ from bladewhirl.models.superelements.nodal_blocks import (
     NodalBlock,
     blade_blocks,
     block_of,
-    sector_blocks,
     wheel_blocks,
     with_clamped_centre,
 )
@@ -357,7 +357,8 @@ def _blocks(
     if equal and count is not None:
         return {"clamped": _lowest_blocks(stage.case, stage.given, count, further, highest)}
     if table.kind == "sector":
-        return {"clamped": sector_blocks(stage.given, table.copies, each + further, highest)}
+        blocks = blocks_of_sectors(stage.case, stage.given, each + further, highest)
+        return {"clamped": blocks}
     total = (each + further) * (table.copies if count is None else 1)
     springs = case.shaft.stiffnesses
     states = {"clamped": part}
@@ -399,8 +400,9 @@ def _lowest_blocks(
     short, each = [*range(table.copies // 2 + 1)], still.reduction.free_interface_modes
     while short:
         if further or blocks:
-            own = (equal, table.copies, each + further, highest)
-            blocks |= sector_blocks(*own, between=False, static=further > 0, diameters=short)
+            chosen: dict[str, Any] = {"static": further > 0, "diameters": short}
+            own = (still, equal, each + further, highest)
+            blocks |= blocks_of_sectors(*own, between=False, **chosen)
         else:
             blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0, highest).blocks))
         known |= dict.fromkeys(short, each)

@@ -18,8 +18,14 @@ from bladewhirl.models.case.superelement import SOURCE
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.superelements.condensed import condensed
 from bladewhirl.models.superelements.joined import range_of
-from bladewhirl.models.superelements.kept_reduction import Arrays, kept_reduction
+from bladewhirl.models.superelements.kept_reduction import (
+    Arrays,
+    arrays_of,
+    kept_reduction,
+    restored,
+)
 from bladewhirl.models.superelements.mistuned import mistuned_wheel
+from bladewhirl.models.superelements.nodal_blocks import Blocks, NodalBlock, sector_blocks
 from bladewhirl.models.superelements.reduction import (
     ReducedSuperelement,
     Root,
@@ -164,6 +170,30 @@ def wheel_over_speeds(
         mistuned=case.bladed_disk.mistuning.is_given(table.copies),
         static=listed_at is None,
     )
+
+
+def blocks_of_sectors(
+    case: Case,
+    part: Superelement,
+    count: int,
+    highest: float,
+    *,
+    between: bool = True,
+    static: bool = True,
+    diameters: Sequence[int] | None = None,
+) -> Blocks:
+    """Return the `sector_blocks` of a sector, or what is kept of them beside the file of a case."""
+    table = case.bladed_disk.matrices
+    own = (*(range(table.copies // 2 + 1) if diameters is None else diameters),)
+
+    def compute() -> list[Arrays]:
+        chosen: dict[str, Any] = {"between": between, "static": static, "diameters": own}
+        found = sector_blocks(part, table.copies, count, highest, **chosen)
+        return [arrays_of(each) for each in found.values()]
+
+    settings = (table.copies, count, highest, between, static, *own)
+    parts = kept_reduction(table.file, part, settings, compute)
+    return {k: restored(NodalBlock, each) for k, each in zip(own, parts, strict=True)}
 
 
 def _condensed(case: Case, part: Superelement, highest: float, modes: int) -> Superelement:

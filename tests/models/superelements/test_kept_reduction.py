@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from solid_meshes import SECTORS, bladed_sector
+from solid_meshes import SECTORS, STEEL, TIE, bladed_sector
 
 import bladewhirl as bw
 from bladewhirl.models.solids.blade import mesh3d
@@ -230,3 +230,16 @@ def test_points_of_a_sweep_reduce_a_sector_once(
     assert len(made) == 1
     assert len(set(frequencies)) == 1
     assert not (tmp_path / "sector.npz.reduced").exists()  # it is small
+
+
+@pytest.mark.usefixtures("in_folder")
+def test_listed_modes_of_a_sector_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a speed, with the motions that the rotation couples to them."""
+    sector = mesh3d(bladed_sector("wedge"), **STEEL, **TIE, contacts=2, coriolis=True)
+    bw.write_superelement(tmp_path / "sector.npz", sector)
+    part = {"superelement": {"file": str(tmp_path / "sector.npz"), "copies": SECTORS}}
+    values = {"bladed_disk": part, "reduction": {"free_interface_modes": 3}}
+    case = bw.case_from(values | {"rotation": {"effects": "full"}, "march": {"speed": "9000 rpm"}})
+    first = bw.modes(case, count=4)
+    monkeypatch.setattr(Cholesky, "of", None)  # nothing is factorised again
+    assert bw.modes(case, count=4).identical(first)
