@@ -36,7 +36,7 @@ def new(
     """Write a case file with every key, its default and its meaning; or one for a superelement.
 
     With --from the case is short: speed, clearance, steps and records follow from the lowest
-    frequency and the radius of the superelement.
+    frequency and the radius of the superelement, friction from what locks its contact nodes.
 
     Args:
         path: File to write; by default case.toml.
