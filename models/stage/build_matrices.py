@@ -22,6 +22,7 @@ from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.stage.superelement_structure import (
     LARGE,
+    Listed,
     assembled,
     damping_root,
     over_speeds,
@@ -59,7 +60,7 @@ def build_matrices(
     ring: Ring | None = None,
     *,
     blades: bool = False,
-    listed_at: float | None = None,
+    listed: Listed | None = None,
     diameters: Collection[int] | None = None,
     condensed_from: int = LARGE,
 ) -> Matrices:
@@ -69,7 +70,7 @@ def build_matrices(
         case: the case.
         ring: its casing, if it is known.
         blades: whether the stiffness of each of the equal blades of sectors is needed.
-        listed_at: speed [rad/s], if of sectors only the modes at rest and at this speed are needed.
+        listed: the modes of sectors that are needed, if no others are.
         diameters: the only nodal diameters that are needed of equal sectors; all by default.
         condensed_from: least number of coordinates of a blade or a wheel that is condensed, see
             `over_speeds`.
@@ -101,7 +102,7 @@ def build_matrices(
         name = "free" if case.reduction.boundary == "massless" else "fixed"
         key = f"reduction.{name}_interface_modes"
     reduced_at = partial(
-        _reduced_at, case, part, factor, omega, blades, listed_at, diameters, condensed_from
+        _reduced_at, case, part, factor, omega, blades, listed, diameters, condensed_from
     )
     try:
         given, part, reduced = reduced_at(omega, others=other_speeds(case, at_rest))
@@ -152,7 +153,7 @@ def build_matrices(
         build=partial(
             build_matrices,
             blades=blades,
-            listed_at=listed_at,
+            listed=listed,
             diameters=diameters,
             condensed_from=condensed_from,
         ),
@@ -182,7 +183,7 @@ def _reduced_at(
     factor: FloatArray,
     highest: float,
     blades: bool,
-    listed_at: float | None,
+    listed: Listed | None,
     diameters: Collection[int] | None,
     condensed_from: int,
     omega: float,
@@ -196,7 +197,7 @@ def _reduced_at(
         factor: factor on the stiffness of each blade, (blades,).
         highest: highest speed [rad/s], on whose `range_of` the reduction depends.
         blades: whether the stiffness of equal blades is needed.
-        listed_at: see `wheel_over_speeds`.
+        listed: see `wheel_over_speeds`.
         diameters: see `build_matrices`.
         condensed_from: see `build_matrices`.
         omega: speed [rad/s].
@@ -212,7 +213,7 @@ def _reduced_at(
         found = wheel_of_sectors(
             *(case, part, speeds, factor, others),
             blades=blades,
-            listed_at=listed_at,
+            listed=listed,
             diameters=diameters,
         )
         return part, *found

@@ -30,6 +30,7 @@ from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.superelement_structure import (
+    Listed,
     blocks_of_sectors,
     on_springs,
     structure_of,
@@ -268,16 +269,17 @@ def still_stage(case: Case, count: int | None) -> Matrices:
         count: number of modes to list; all if None.
     """
     table = case.bladed_disk.matrices
-    still, listed_at = without_rotation(case), None
+    still, listed = without_rotation(case), None
     if count is not None and case.reduction.boundary == "massless":
         if _is_of_equal_sectors(case):
-            listed_at = 0.0
-            if not _couples(case) and case.rotation.effects != "none":
-                listed_at = abs(case.march.speed.rad_per_s(0.0))  # 0 if the reference is needed
+            listed = Listed(0.0, COUPLED_IN_SECTORS if _couples(case) else 0)
+            if case.rotation.effects != "none":
+                at = abs(case.march.speed.rad_per_s(0.0))  # 0 if the reference is needed
+                listed = listed._replace(speed=at)
             still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
         elif table.kind != "sector":
             still = _with_modes(still, FEWEST)  # the blocks have the modes that are listed
-    return build_matrices(still, listed_at=listed_at)
+    return build_matrices(still, listed=listed)
 
 
 def matrix_disks(
@@ -399,12 +401,13 @@ def _lowest_blocks(
     known, blocks = dict[int, int](), dict[int, NodalBlock]()  # number of modes; blocks
     short, each = [*range(table.copies // 2 + 1)], still.reduction.free_interface_modes
     while short:
-        if further or blocks:
+        if blocks:
             chosen: dict[str, Any] = {"static": further > 0, "diameters": short}
             own = (still, equal, each + further, highest)
             blocks |= blocks_of_sectors(*own, between=False, **chosen)
         else:
-            blocks = dict(enumerate(wheel_over_speeds(still, equal, 0.0, highest).blocks))
+            wheel = wheel_over_speeds(still, equal, 0.0, Listed(highest, further))
+            blocks = dict(enumerate(wheel.blocks))
         known |= dict.fromkeys(short, each)
         squares = {k: la.eigvalsh(blocks[k].stiffness_at(highest))[: known[k]] for k in blocks}
         every = np.sort(np.concatenate([*squares.values()]))

@@ -6,7 +6,7 @@ range of speeds, and the modes at rest of the damping.
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import scipy.sparse as sp
 
@@ -57,6 +57,13 @@ def assembled(case: Case, part: Superelement) -> Superelement:
     if not mistuning.is_given(table.copies):
         return part
     return mistuned_wheel(part, mistuning.factors("stiffness", table.copies))
+
+
+class Listed(NamedTuple):
+    """Modes of sectors that are listed, for which no other motions are needed."""
+
+    speed: float  #: speed at which they are listed, besides those at rest [rad/s]
+    coupled: int  #: see `WheelOverSpeeds`
 
 
 def structure_of(case: Case) -> Superelement:
@@ -128,7 +135,7 @@ def wheel_of_sectors(
     others: Sequence[float] = (),
     *,
     blades: bool = False,
-    listed_at: float | None = None,
+    listed: Listed | None = None,
     diameters: Collection[int] | None = None,
 ) -> tuple[Superelement, ReducedSuperelement]:
     """Return a wheel of sectors with a massless boundary, and its reduction.
@@ -141,7 +148,7 @@ def wheel_of_sectors(
         others: other speeds [rad/s], whose modes and static displacements are added, see
             `further_modes.further`.
         blades: whether the stiffness of equal blades is needed, see `wheel_over_speeds`.
-        listed_at: see `wheel_over_speeds`.
+        listed: see `wheel_over_speeds`.
         diameters: see `WheelOverSpeeds.at`.
     """
     table = case.bladed_disk.matrices
@@ -149,26 +156,26 @@ def wheel_of_sectors(
     if not (mistuned or blades):
         part = replace(part, blade_stiffness=None)
     omega, highest = speeds
-    wheel = wheel_over_speeds(case, part, highest, listed_at)
+    wheel = wheel_over_speeds(case, part, highest, listed)
     return wheel.at(omega, factor if mistuned else None, others, diameters)
 
 
 def wheel_over_speeds(
-    case: Case, part: Superelement, omega: float, listed_at: float | None = None
+    case: Case, part: Superelement, omega: float, listed: Listed | None = None
 ) -> WheelOverSpeeds:
     """Return a wheel of sectors for the `range_of` a speed [rad/s]; with `blade_stiffness` it has
-    the stiffness of each blade. With a speed `listed_at` [rad/s] in place of it, there are only the
-    modes at rest and at this speed."""
+    the stiffness of each blade. If modes are `listed`, it has only these in place of it."""
     table, effects = case.bladed_disk.matrices, case.rotation.effects
     if effects == "centrifugal":
         part = replace(part, gyroscopic=None)
     highest = 0.0 if effects == "none" else range_of(omega)
-    if listed_at is not None:
-        highest = listed_at
+    if listed is not None:
+        highest = listed.speed
     return WheelOverSpeeds(
         *(part, table.copies, case.reduction.free_interface_modes, highest, table.file),
         mistuned=case.bladed_disk.mistuning.is_given(table.copies),
-        static=listed_at is None,
+        static=listed is None,
+        coupled=0 if listed is None else listed.coupled,
     )
 
 

@@ -116,6 +116,7 @@ def sector_blocks(
     highest: float = 0.0,
     *,
     touched: bool = False,
+    clamped: bool = False,
     mistuned: bool = True,
     between: bool = True,
     static: bool = True,
@@ -133,7 +134,8 @@ def sector_blocks(
         count: number of modes of each nodal diameter at a speed, see `over_speeds`.
         highest: highest speed at which the blocks are used [rad/s].
         touched: whether the static displacements at each speed are exact, so that the residual
-            flexibility of the contact nodes is known; the sector must then have no rigid modes.
+            flexibility of the contact nodes is known; the sector must then be clamped.
+        clamped: whether the sector has no rigid modes.
         mistuned: whether the touched blades differ, if the sector has blade_stiffness.
         between: whether the blocks are used at speeds between rest and the highest.
         static: whether a block has the static displacements besides the modes.
@@ -141,7 +143,7 @@ def sector_blocks(
 
     Raises:
         SuperelementError: the sector takes too much memory, its faces do not match, or it has
-            rigid modes though `touched` is true.
+            rigid modes though it is clamped.
     """
     loads = sp.csc_array(part.contact_rows.T)
     if not static:
@@ -154,9 +156,10 @@ def sector_blocks(
     solutions += differ * lanczos_vectors(count)  # modes are computed twice
     chosen = range(sectors // 2 + 1) if diameters is None else diameters
     solved = {"modes": count, "loads": solutions, "waves": len(chosen)}
-    with sector_errors(RIGID_SECTOR if touched else STIFF):
+    rigid = not (touched or clamped)
+    with sector_errors(STIFF if rigid else RIGID_SECTOR):
         states = [
-            Sector(state, sectors, **solved, rigid=not touched)
+            Sector(state, sectors, **solved, rigid=rigid)
             for state in over_speeds(part, highest, between=between)
         ]
         of_blade = np.zeros((part.size, 0))

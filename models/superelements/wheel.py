@@ -82,6 +82,7 @@ class WheelOverSpeeds:
         *,
         mistuned: bool = True,
         static: bool = True,
+        coupled: int = 0,
     ) -> None:
         """Reduce the sector, or read what was kept of an earlier reduction.
 
@@ -96,6 +97,8 @@ class WheelOverSpeeds:
             mistuned: whether blades with blade_stiffness differ.
             static: false if modes are only needed at rest and at the highest speed, without static
                 displacements and residual flexibility.
+            coupled: number of further modes that describe how Coriolis forces couple these modes,
+                with the static displacements under these forces; 0 without Coriolis forces.
 
         Raises:
             SuperelementError: the sector has too few coordinates, takes too much memory, or has
@@ -111,17 +114,18 @@ class WheelOverSpeeds:
 
         def compute() -> list[Arrays]:
             found = sector_blocks(
-                *(part, sectors, count, highest),
-                touched=True,
+                *(part, sectors, count + coupled, highest),
+                touched=not coupled,
+                clamped=True,
                 mistuned=differ,
                 between=static,
-                static=static,
+                static=static or coupled > 0,
             )
             parts = [arrays_of(replace(each, blade=None)) for each in found.values()]
             fields = [each.blade for each in found.values() if each.blade is not None]
             return parts if own is None else [*parts, {"products": blade_products(own, fields)}]
 
-        settings = (sectors, modes, highest, differ, static)
+        settings = (sectors, modes, coupled, highest, differ, static)
         parts = compute() if file is None else kept_reduction(file, part, settings, compute)
         self._products = None if own is None else parts[-1]["products"]
         self.blocks = [restored(NodalBlock, each) for each in parts[: sectors // 2 + 1]]

@@ -234,12 +234,21 @@ def test_points_of_a_sweep_reduce_a_sector_once(
 
 @pytest.mark.usefixtures("in_folder")
 def test_listed_modes_of_a_sector_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At a speed, with the motions that the rotation couples to them."""
+    """At a speed, with the motions that the rotation couples to them; each of the two structures, at
+    rest and at the speed, is factorised once."""
     sector = mesh3d(bladed_sector("wedge"), **STEEL, **TIE, contacts=2, coriolis=True)
     bw.write_superelement(tmp_path / "sector.npz", sector)
     part = {"superelement": {"file": str(tmp_path / "sector.npz"), "copies": SECTORS}}
     values = {"bladed_disk": part, "reduction": {"free_interface_modes": 3}}
     case = bw.case_from(values | {"rotation": {"effects": "full"}, "march": {"speed": "9000 rpm"}})
+    factorised, of = list[Cholesky](), Cholesky.of
+
+    def counted(*given: Any) -> Cholesky:
+        factorised.append(of(*given))
+        return factorised[-1]
+
+    monkeypatch.setattr(Cholesky, "of", counted)
     first = bw.modes(case, count=4)
+    assert len(factorised) == 2
     monkeypatch.setattr(Cholesky, "of", None)  # nothing is factorised again
     assert bw.modes(case, count=4).identical(first)
