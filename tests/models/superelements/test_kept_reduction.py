@@ -234,8 +234,8 @@ def test_points_of_a_sweep_reduce_a_sector_once(
 
 @pytest.mark.usefixtures("in_folder")
 def test_listed_modes_of_a_sector_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At a speed, with the motions that the rotation couples to them; each of the two structures, at
-    rest and at the speed, is factorised once."""
+    """At a speed, with the motions that the rotation couples to them; each of the two structures,
+    at rest and at the speed, is factorised once."""
     sector = mesh3d(bladed_sector("wedge"), **STEEL, **TIE, contacts=2, coriolis=True)
     bw.write_superelement(tmp_path / "sector.npz", sector)
     part = {"superelement": {"file": str(tmp_path / "sector.npz"), "copies": SECTORS}}
