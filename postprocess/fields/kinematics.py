@@ -101,7 +101,7 @@ def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
 
 def history(dataset: xr.Dataset, name: str, records: IntArray) -> Array:
     """Return the values of a variable at some records (record, ...); only these are read."""
-    return np.asarray(dataset[name].isel(time=records).values)
+    return np.asarray(dataset.variables[name].isel(time=records).values)
 
 
 def combine(coordinates: Array, shape: Array) -> Array:

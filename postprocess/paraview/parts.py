@@ -297,7 +297,7 @@ class StageParts:
         dataset, records = self._dataset, np.array([record])
         rest, angle = contact_nodes(dataset) + self._front, dataset["tip_angle"].values
         moved = rotate(history(dataset, "contact_displacement", records)[0], angle)
-        rows = kinematics.tip_rows(dataset) @ dataset["rotor_velocity"][record].values
+        rows = kinematics.tip_rows(dataset) @ history(dataset, "rotor_velocity", records)[0]
         spin = 0.0 if self._rotating else rotation.speeds(dataset)[record]
         rate = rotate(rows.T, angle) + spin * np.cross(UP, moved)
         force = kinematics.contact_forces(dataset, records, rotating=self._rotating)[0]
@@ -307,7 +307,7 @@ class StageParts:
         fields = {
             "displacement": rotate(moved, turn),
             "velocity": rotate(rate, turn),
-            "gap": dataset["gap"][record].values,
+            "gap": history(dataset, "gap", records)[0],
             "contact_force": force,
             "warp": rotate(stage.contact_nodes(index) + self._front - rest, turn),
         }

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from pprint import pformat
+from time import monotonic
 from typing import Any
 
 import meshio
@@ -61,6 +62,10 @@ UNITS: Mapping[str, str] = {
     **dict.fromkeys(("rotor", "casing", "tips", "centre", "blade"), "1"),
 }
 """Units of the arrays on points."""
+
+IN_MEMORY = 2e8  #: largest size of a result that is read at once, and not record by record [bytes]
+
+INDEXED = 1.0  #: time between two writings of the index, which names the frames so far [s]
 
 Progress = Callable[[int, int], None]
 
@@ -151,6 +156,8 @@ def export_vtk(
             overwrite=overwrite,
             progress=progress,
         )
+    if dataset.nbytes <= IN_MEMORY:
+        dataset = dataset.load()
     dataset = with_wall(dataset)
     look: dict[str, Any] = {"surface": surface, "rotating": rotating, "exaggeration": exaggeration}
     parts = RotorParts(dataset, records, **look)
@@ -239,6 +246,7 @@ def write_series(
                 draft.write_text(other, encoding="utf-8")
             else:
                 write_vtu(draft, other, exaggeration)
+    indexed = monotonic()
     for frame, (time, grids) in enumerate(zip(times.tolist(), instants, strict=True)):
         for number, (name, grid) in enumerate(grids.items()):
             file = name_of(name, frame)
@@ -246,9 +254,12 @@ def write_series(
             entries.append(
                 f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
             )
-        _write_index(folder / INDEX, entries)
+        if monotonic() >= indexed + INDEXED:
+            _write_index(folder / INDEX, entries)
+            indexed = monotonic()
         if progress is not None:
             progress(frame + 1, len(times))
+    _write_index(folder / INDEX, entries)
     return folder / INDEX
 
 
