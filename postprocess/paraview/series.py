@@ -246,20 +246,22 @@ def write_series(
                 draft.write_text(other, encoding="utf-8")
             else:
                 write_vtu(draft, other, exaggeration)
-    indexed = monotonic()
-    for frame, (time, grids) in enumerate(zip(times.tolist(), instants, strict=True)):
-        for number, (name, grid) in enumerate(grids.items()):
-            file = name_of(name, frame)
-            write_vtu(folder / file, grid, exaggeration)
-            entries.append(
-                f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
-            )
-        if monotonic() >= indexed + INDEXED:
-            _write_index(folder / INDEX, entries)
-            indexed = monotonic()
-        if progress is not None:
-            progress(frame + 1, len(times))
-    _write_index(folder / INDEX, entries)
+    indexed, whole = monotonic(), 0
+    try:
+        for frame, (time, grids) in enumerate(zip(times.tolist(), instants, strict=True)):
+            for number, (name, grid) in enumerate(grids.items()):
+                file = name_of(name, frame)
+                write_vtu(folder / file, grid, exaggeration)
+                at = f'timestep="{time!r}" part="{number}" name="{name}"'
+                entries.append(f'    <DataSet {at} file="{file}"/>\n')
+            whole = len(entries)
+            if monotonic() >= indexed + INDEXED:
+                _write_index(folder / INDEX, entries)
+                indexed = monotonic()
+            if progress is not None:
+                progress(frame + 1, len(times))
+    finally:  # also if it is interrupted
+        _write_index(folder / INDEX, entries[:whole])
     return folder / INDEX
 
 
