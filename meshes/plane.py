@@ -10,10 +10,15 @@ def rotate(vectors: ArrayLike, angle: ArrayLike, axis: int = -1) -> FloatArray:
     """Return vectors (..., 2), or (..., 3) with the same z, turned counter-clockwise by `angle`
     (...) [rad]; the arguments are broadcast. `axis` contains the components."""
     cos, sin = np.cos(angle), np.sin(angle)
-    x, y, *rest = np.moveaxis(np.asarray(vectors, dtype=np.float64), axis, 0)
+    given = np.asarray(vectors, dtype=np.float64)
+    if axis != -1:
+        given = np.moveaxis(given, axis, -1)
+    x, y = given[..., 0], given[..., 1]
     first = cos * x - sin * y
-    same = (np.broadcast_to(z, first.shape) for z in rest)
-    return np.stack([first, sin * x + cos * y, *same], axis=axis)
+    turned = np.empty((*first.shape, given.shape[-1]))
+    turned[..., 0], turned[..., 1] = first, sin * x + cos * y
+    turned[..., 2:] = given[..., 2:]
+    return turned if axis == -1 else np.ascontiguousarray(np.moveaxis(turned, -1, axis))
 
 
 def directions(angle: ArrayLike) -> FloatArray:
