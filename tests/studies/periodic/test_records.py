@@ -60,6 +60,7 @@ def test_a_march_that_leaves_the_motion_is_no_record(tmp_path: Path) -> None:
     data = bw.periodic(own)
     with pytest.raises(bw.ViewError, match=r"grow by a factor of .*e"):
         bw.record_motion(own, data.assign(multipliers=1e3 * data["multipliers"]), tmp_path / "m")
+    several = data.isel(speed=[0, 0]).assign(rpm=("speed", [7400.0, 7500.0]))
     with pytest.raises(bw.UserError, match="2 speeds; expected one"):
-        bw.record_motion(own, data.isel(speed=[0, 0]), tmp_path / "m")
+        bw.record_motion(own, several, tmp_path / "m")
     assert not (tmp_path / "m").exists()
