@@ -93,7 +93,8 @@ def _crossings(surface: _Triangles, at: FloatArray) -> tuple[IntArray, IntArray]
     reach = np.linalg.norm(high - low, axis=1) / 2.0
     near = cKDTree(at).query_ball_point((low + high) / 2.0, reach)
     triangle = np.repeat(np.arange(len(near)), [len(one) for one in near])
-    point = np.concatenate([np.asarray(one, dtype=np.int64) for one in near])
+    none = np.zeros(0, dtype=np.int64)
+    point = np.concatenate([none, *(np.asarray(one, dtype=np.int64) for one in near)])
     first, second, third = surface.corners[triangle].transpose(1, 2, 0)
     (r, z), (r1, z1), (r2, z2) = at[point].T - first, second - first, third - first
     shares = np.array([z * r2 - z2 * r, z1 * r - z * r1]) / surface.area[triangle]

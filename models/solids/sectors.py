@@ -21,7 +21,7 @@ SHARE = 0.1
 
 FULL = 0.01
 """Circles are inside a sector by a pitch up to this fraction of it, or a quarter of the difference
-between numbers of sectors."""
+between numbers of sectors; and both faces reach as far but for this fraction of their size."""
 
 BESIDE = 0.1
 """Faces that bound a sector have a smaller slope of `Rings`, which is not zero because meshes that
@@ -169,6 +169,8 @@ def find_bounds(mesh: VolumeMesh) -> Bounds | None:
         return None
     ahead = at[:, 0] * normal[:, 1] - at[:, 1] * normal[:, 0] > 0.0
     left, right = (_nodes(nodes[(number == found) & side]) for side in (~ahead, ahead))
+    if not _alike(mesh.points[left], mesh.points[right]):
+        return None
     return Bounds(found, left, right, float(bounding[found] / area[seen].sum()))
 
 
@@ -218,6 +220,15 @@ def _on_axis(points: FloatArray, corners: IntArray) -> bool:
     turn = triangles[..., 0] * after[..., 1] - triangles[..., 1] * after[..., 0]
     around = (turn > -close).all(axis=1) | (turn < close).all(axis=1)
     return bool((around & ((triangles * after).sum(axis=-1).min(axis=1) < close)).any())
+
+
+def _alike(left: FloatArray, right: FloatArray) -> bool:
+    """Return whether the nodes of two faces, (n, 3) and (m, 3), reach as far along r and z."""
+    if not len(left) or not len(right):
+        return False
+    places = [np.column_stack([np.hypot(*face[:, :2].T), face[:, 2]]) for face in (left, right)]
+    one, other = (np.array([each.min(axis=0), each.max(axis=0)]) for each in places)
+    return bool(abs(other - one).max() <= FULL * np.ptp(one, axis=0).max())
 
 
 def _nodes(of_faces: IntArray) -> IntArray:

@@ -21,6 +21,7 @@ from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.ring import Ring, stage_casing
 from bladewhirl.models.stage.superelement_springs import coupling_springs
 from bladewhirl.models.stage.superelement_structure import (
+    FEWEST,
     LARGE,
     Listed,
     assembled,
@@ -30,6 +31,7 @@ from bladewhirl.models.stage.superelement_structure import (
     structure_key,
     structure_of,
     wheel_of_sectors,
+    with_modes,
     without_rotation,
 )
 from bladewhirl.models.superelements.condensed import FURTHER_MODES
@@ -254,7 +256,11 @@ _at_rest: dict[str, float] = {}
 
 def _reference_at_rest(case: Case) -> float:
     """Return the reference frequency of the structure at rest [rad/s], computed once for all points
-    of a sweep."""
-    key = structure_key(case)
-    still = without_rotation(case)
-    return remembered(_at_rest, key, lambda: build_matrices(still).reference_frequency)
+    of a sweep; of equal sectors from few modes without static displacements."""
+    key, table = structure_key(case), case.bladed_disk.matrices
+    still, listed = without_rotation(case), None
+    of_waves = table.kind == "sector" and case.reduction.boundary == "massless"
+    if of_waves and not case.bladed_disk.mistuning.is_given(table.copies):
+        still, listed = with_modes(still, FEWEST), Listed(0.0, 0)
+    at_rest = partial(build_matrices, still, listed=listed)
+    return remembered(_at_rest, key, lambda: at_rest().reference_frequency)

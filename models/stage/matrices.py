@@ -395,7 +395,7 @@ class Matrices(Stage):
     @property
     def basis_error(self) -> float | None:
         """Largest relative error of the lowest frequencies, see `basis_error.basis_error`."""
-        return basis_error(self.case, self.speed, self.reduced.frequency)
+        return basis_error(self.case, self.speed, self.reduced)
 
     @property
     def _differ(self) -> bool:

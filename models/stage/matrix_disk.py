@@ -30,11 +30,13 @@ from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.cone import compliance_in_wall_axes, in_wall_axes
 from bladewhirl.models.stage.matrices import Matrices
 from bladewhirl.models.stage.superelement_structure import (
+    FEWEST,
     Listed,
     blocks_of_sectors,
     on_springs,
     structure_of,
     wheel_over_speeds,
+    with_modes,
     without_rotation,
 )
 from bladewhirl.models.structure.rotating import Effects
@@ -48,14 +50,12 @@ from bladewhirl.models.superelements.nodal_blocks import (
     wheel_blocks,
     with_clamped_centre,
 )
-from bladewhirl.models.superelements.superelement import FIXED, Superelement, SuperelementError
+from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 
 COUPLED, COUPLED_AT_ONE_SPEED, COUPLED_IN_SECTORS = 20, 100, 8
 """Number of further modes, which rotation, damping or a wall may couple to the chosen ones: of each
 nodal diameter of a wheel or blade for modes at many speeds; of the whole for those at the speed of
 the case; and of each nodal diameter of sectors, see `sector_blocks`."""
-
-FEWEST = 4  #: number of modes of each nodal diameter that are computed first where nothing couples
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -276,9 +276,9 @@ def still_stage(case: Case, count: int | None) -> Matrices:
             if case.rotation.effects != "none":
                 at = abs(case.march.speed.rad_per_s(0.0))  # 0 if the reference is needed
                 listed = listed._replace(speed=at)
-            still = _with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
+            still = with_modes(still, max(FEWEST, 2 * -(-count // (table.copies // 2 + 1))))
         elif table.kind != "sector":
-            still = _with_modes(still, FEWEST)  # the blocks have the modes that are listed
+            still = with_modes(still, FEWEST)  # the blocks have the modes that are listed
     return build_matrices(still, listed=listed)
 
 
@@ -373,18 +373,6 @@ def _blocks(
     }
 
 
-def _with_modes(case: Case, each: int) -> Case:
-    """Return a case whose part is reduced to some modes, those of a sector of each nodal diameter;
-    or to all but one of them."""
-    table = case.bladed_disk.matrices
-    part = table.part
-    most = part.size - 1
-    if part.right_dofs is not None:
-        most -= int(np.count_nonzero(part.right_dofs != FIXED))
-    reduction = case.reduction.model_copy(update={"free_interface_modes": min(each, most)})
-    return case.model_copy(update={"reduction": reduction})
-
-
 def _lowest_blocks(
     still: Case, part: Superelement, count: int, further: int, highest: float
 ) -> Blocks:
@@ -412,7 +400,7 @@ def _lowest_blocks(
         squares = {k: la.eigvalsh(blocks[k].stiffness_at(highest))[: known[k]] for k in blocks}
         every = np.sort(np.concatenate([*squares.values()]))
         limit = every[count - 1] if count <= len(every) else np.inf
-        each = _with_modes(still, 2 * each).reduction.free_interface_modes
+        each = with_modes(still, 2 * each).reduction.free_interface_modes
         short = [k for k, found in squares.items() if found[-1] < limit and known[k] < each]
     return blocks
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -32,6 +33,7 @@ from bladewhirl.models.superelements.reduction import (
     root_at_rest,
 )
 from bladewhirl.models.superelements.superelement import (
+    FIXED,
     IndefiniteError,
     Superelement,
     SuperelementError,
@@ -40,6 +42,8 @@ from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 
 LARGE = 2000
 """Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
+
+FEWEST = 4  #: number of modes of each nodal diameter that are computed first where nothing couples
 
 REMEMBERED = 4  #: number of the last structures of which results are kept in memory
 
@@ -228,6 +232,18 @@ def structure_key(case: Case) -> str:
 def without_rotation(case: Case) -> Case:
     """Return a case whose bladed disk has no effects of the rotation."""
     return case.model_copy(update={"rotation": Rotation()})
+
+
+def with_modes(case: Case, each: int) -> Case:
+    """Return a case whose part is reduced to some modes, those of a sector of each nodal diameter;
+    or to all but one of them."""
+    table = case.bladed_disk.matrices
+    part = table.part
+    most = part.size - 1
+    if part.right_dofs is not None:
+        most -= int(np.count_nonzero(part.right_dofs != FIXED))
+    reduction = case.reduction.model_copy(update={"free_interface_modes": min(each, most)})
+    return case.model_copy(update={"reduction": reduction})
 
 
 def on_springs(case: Case, part: Superelement, sign: float = 1.0) -> Superelement:

@@ -195,7 +195,7 @@ def write_vtu(path: Path, mesh: meshio.Mesh, exaggeration: float) -> None:
         {name: _single(values) for name, values in mesh.point_data.items()},
         {name: [_single(values)] for name, (values,) in mesh.cell_data.items()},
     )
-    meshio.write(path, single, "vtu", binary=True, compression=None)
+    meshio.write(path, single, "vtu", binary=True, compression="zlib")
     units = {f"{name} [{UNITS[name]}]": 1.0 for name in mesh.point_data}
     fields = [
         f'<DataArray type="Float64" Name="{name}" NumberOfTuples="1" format="ascii">{value!r}'

@@ -192,6 +192,7 @@ def export(
         exaggeration: Factor on displacement and clearance in the field warp; automatic by default.
         output: Folder to write; by default DIR/vtk.
     """
+    from bladewhirl.files import owned
     from bladewhirl.postprocess.fields.kinematics import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.paraview.series import export_vtk
@@ -205,7 +206,9 @@ def export(
             index = export_vtk(result, folder, records=records, progress=update, **look)
         first, last = result["time"].values[records[[0, -1]]]
         hint = sampling_hint(result, records)
-    typer.echo(f"Wrote {index}: {len(records)} instants from {first:.6g} s to {last:.6g} s.")
+    size = sum(path.stat().st_size for path in owned(folder))
+    span = f"{len(records)} instants from {first:.6g} s to {last:.6g} s"
+    typer.echo(f"Wrote {index}: {span}, {size / 1e6:.3g} MB.")
     if hint:
         typer.echo(f"Hint: {hint}.", err=True)
 

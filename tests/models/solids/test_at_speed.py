@@ -17,7 +17,8 @@ from bladewhirl.models.solids.blade import mesh3d
 from bladewhirl.models.stage import superelement_structure as stage_of_superelement
 from bladewhirl.models.stage.build_matrices import build_matrices
 from bladewhirl.models.stage.matrices import Matrices
-from bladewhirl.models.superelements import kept_reduction
+from bladewhirl.models.superelements import kept_reduction, nodal_blocks, wheel
+from bladewhirl.models.superelements.condensed import FURTHER_MODES
 from bladewhirl.models.superelements.superelement import Superelement, SuperelementError
 from bladewhirl.postprocess.fields.result import completed, described
 
@@ -180,6 +181,28 @@ def test_the_error_of_a_sector_does_not_depend_on_the_order_of_its_modes(tmp_pat
     stage = build_matrices(case(tmp_path, part, "sector", rotation={"effects": "full"}))
     assert (np.diff(stage.reduced.frequency) < 0.0).any()
     assert stage.own_properties["frequency_error"] < 1e-6
+
+
+def test_the_reference_frequency_takes_few_modes_and_no_static_displacements(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    part = mesh3d(bladed_sector("hexahedron"), **STEEL, **TIE, contacts=2)
+    reduced = list[tuple[int, bool]]()
+    compute = nodal_blocks.sector_blocks
+
+    def counted(part: Superelement, sectors: int, count: int, *given: Any, **options: Any) -> Any:
+        reduced.append((count, options["static"]))
+        return compute(part, sectors, count, *given, **options)
+
+    monkeypatch.setattr(wheel, "sector_blocks", counted)
+    modes = {"reduction": {"free_interface_modes": 6}}
+    stages = [
+        build_matrices(case(tmp_path, part, "sector", rotation={"effects": effects}, **modes))
+        for effects in ("centrifugal", "none")
+    ]
+    assert reduced == [(4, False), (6 + FURTHER_MODES, True), (6, True)]
+    turning, still = (stage.reference_frequency for stage in stages)
+    assert turning == pytest.approx(still, rel=1e-9)
 
 
 @pytest.mark.slow

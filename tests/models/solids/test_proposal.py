@@ -122,6 +122,16 @@ def test_sides_of_a_blade_are_not_taken_for_cut_faces_that_do_not_match(tmp_path
             bw.mesh3d(path, **STEEL, clamped="r < 0.051", contact="outermost", copies=copies)
 
 
+@pytest.mark.parametrize("corner", [(0.0, 0.0, 0.0), (-0.05, -0.05, -0.05), (1.0, 0.2, 0.3)])
+def test_the_geometry_of_a_cube_does_not_tell_the_axis(
+    corner: tuple[float, float, float], tmp_path: Path
+) -> None:
+    mesh = grid_mesh((1, 1, 1), lambda place: corner + 0.1 * place, "hexahedron")
+    printed = " ".join(answer("mesh", deck(tmp_path, mesh, "C3D8")).stdout.split())
+    assert "axis: the geometry does not tell it" in printed
+    assert "--axis '?'" in printed
+
+
 @pytest.mark.parametrize("mesh", [cantilever("hexahedron20"), wheel(bladed_sector("tetra10"))])
 def test_blades_and_wheels_have_no_cut_faces(mesh: meshio.Mesh) -> None:
     for axis in ORDER:
