@@ -44,6 +44,13 @@ DIAMETERS, FAMILIES = 6, 4
 
 NONE = "none"  #: text for a part that is not clamped, and for no stiffness at speed
 
+COPIES = (
+    "a whole number, of the sectors of the wheel or of the blades of a wheel in one piece; a"
+    " question mark stands for a number that the mesh does not tell: bladewhirl mesh says why"
+)
+"""Values that --copies expects."""
+
+Copies = Annotated[int | None, options.option("--copies", "INTEGER", int, COPIES)]
 Values = Annotated[list[str] | None, typer.Option(metavar="VALUE|GROUP=VALUE")]
 
 
@@ -64,7 +71,7 @@ def mesh3d(
     lost: str | None = None,
     left: str | None = None,
     right: str | None = None,
-    copies: int | None = None,
+    copies: Copies = None,
     length_unit: str = "m",
     mass_unit: str | None = None,
     axis: str = "z",

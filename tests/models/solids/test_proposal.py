@@ -117,6 +117,8 @@ def test_sides_of_a_blade_are_not_taken_for_cut_faces_that_do_not_match(tmp_path
     missed = "about -15 and 15 degrees bound 1/12 of a turn, but their 13 and 13 nodes do not match"
     assert missed in printed
     assert "--copies '?' " in printed
+    refused = refusal("mesh3d", path, "--copies", "?")
+    assert refused.startswith("--copies ?: expected a whole number, of the sectors")
     for copies in (SECTORS, 3 * SECTORS):
         with pytest.raises(bw.CaseError, match=f"{missed}.*0.007 m from the nearest"):
             bw.mesh3d(path, **STEEL, clamped="r < 0.051", contact="outermost", copies=copies)
