@@ -11,7 +11,7 @@ from long_cases import slow_except
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from PIL import Image, ImageSequence
 from rod_blade import blade, tables
-from solid_meshes import STEEL, cantilever
+from solid_meshes import STEEL, TIE, bladed_sector, cantilever
 
 import bladewhirl as bw
 from bladewhirl.meshes.plane import rotate
@@ -136,16 +136,19 @@ def test_films_of_a_blade_move(tmp_path: Path, can_draw: None) -> None:
     assert later > 300 + soon
 
 
-def test_modes_of_a_file_with_stresses_move(tmp_path: Path) -> None:
-    """Stresses are those of the modes of a march, and left out."""
-    part = bw.mesh3d(cantilever("hexahedron", (2, 1, 1)), **STEEL, stress=True)
-    bw.write_superelement(tmp_path / "blade.npz", part)
-    table = {"file": str(tmp_path / "blade.npz"), "copies": 3}
+@pytest.mark.parametrize("kind", ["blade", "sector"])
+def test_modes_of_a_file_with_stresses_move(tmp_path: Path, kind: str) -> None:
+    """Stresses, and shapes of a first sector, are those of the modes of a march, and left out."""
+    mesh = cantilever("hexahedron", (2, 1, 1)) if kind == "blade" else bladed_sector("hexahedron")
+    tie = {} if kind == "blade" else TIE
+    part = bw.mesh3d(mesh, **STEEL, **tie, contacts=2, stress=True)
+    bw.write_superelement(tmp_path / "part.npz", part)
+    table = {"file": str(tmp_path / "part.npz"), "kind": kind, "copies": tie.get("copies", 3)}
     given = {"bladed_disk": {"superelement": table}, "casing": {"type": "rigid"}}
     case = bw.case_from(given | {"reduction": {"free_interface_modes": 5}})
     model = modal_model(case, count=4)
     motion = mode_motion(model, "bladed-disk", np.array([0]), wave="standing", title="1F")
-    assert "stress_shape" not in motion
+    assert not {"stress_shape", "sector_stress_shape", "sector_point_shape"} & set(motion)
     assert np.ptp(motion["rotor_displacement"].values) > 0.0
 
 
