@@ -42,7 +42,8 @@ def can_draw() -> None:
 @pytest.fixture(autouse=True, scope="module")
 def pictures_unsaved(request: pytest.FixtureRequest) -> Iterator[None]:
     """Make figures without laying them out and drawing them, which takes most of their time: .png
-    and .pdf are empty files, except in modules with the mark `pictures`."""
+    and .pdf are empty files, except in modules with the mark `pictures`, and in runs that are not
+    only of the default tests."""
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -51,7 +52,8 @@ def pictures_unsaved(request: pytest.FixtureRequest) -> Iterator[None]:
             Path(target).touch()
 
     with pytest.MonkeyPatch.context() as patch:
-        if not request.node.get_closest_marker("pictures"):
+        by_default = request.config.option.markexpr == "not slow"
+        if by_default and not request.node.get_closest_marker("pictures"):
             patch.setattr(Figure, "savefig", savefig)
             patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
         yield
