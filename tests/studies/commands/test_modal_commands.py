@@ -176,7 +176,7 @@ def test_the_page_has_both_diagrams_with_values(case: Path, tmp_path: Path) -> N
         (panel,) = parsed.values[f"{name}-frame"]
         assert f"{name} frame" in panel["y"]["label"]
         names = {curve["name"] for curve in panel["curves"]}
-        assert "bladed disk, k = 1" in names
+        assert {f"bladed disk, 1F, k = 1, {way}" for way in ("backward", "forward")} <= names
 
 
 @pytest.mark.slow
