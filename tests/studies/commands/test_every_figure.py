@@ -79,7 +79,7 @@ STUDIES = [
     ("overhung_fan", "stability", ["--speeds", "0:1.2:0.3"]),
     ("shrouded_blade", "periodic", ["--speeds", "2900 rpm,3000 rpm,3100 rpm"]),
     ("shrouded_blade", "periodic", ["--speeds", "3000 rpm"]),
-    ("shrouded_blade", "periodic", ["--over", "joint.shroud.preload=3:5", "--points", "8"]),
+    ("shrouded_blade", "periodic", ["--over", "joint.shroud.preload=30:34", "--points", "8"]),
     ("shrouded_blade", "periodic", ["--over", "march.speed=2900rpm:3100rpm", "--points", "8"]),
     ("rotor", "modes", ["--count", "6"]),
     ("rotor", "campbell", ["--speeds", "0:4"]),
