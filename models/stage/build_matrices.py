@@ -26,6 +26,7 @@ from bladewhirl.models.stage.superelement_structure import (
     Listed,
     assembled,
     damping_root,
+    is_of_equal_sectors,
     over_speeds,
     remembered,
     structure_key,
@@ -257,10 +258,8 @@ _at_rest: dict[str, float] = {}
 def _reference_at_rest(case: Case) -> float:
     """Return the reference frequency of the structure at rest [rad/s], computed once for all points
     of a sweep; of equal sectors from few modes without static displacements."""
-    key, table = structure_key(case), case.bladed_disk.matrices
-    still, listed = without_rotation(case), None
-    of_waves = table.kind == "sector" and case.reduction.boundary == "massless"
-    if of_waves and not case.bladed_disk.mistuning.is_given(table.copies):
+    key, still, listed = structure_key(case), without_rotation(case), None
+    if is_of_equal_sectors(case):
         still, listed = with_modes(still, FEWEST), Listed(0.0, 0)
     at_rest = partial(build_matrices, still, listed=listed)
     return remembered(_at_rest, key, lambda: at_rest().reference_frequency)

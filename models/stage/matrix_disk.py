@@ -33,6 +33,7 @@ from bladewhirl.models.stage.superelement_structure import (
     FEWEST,
     Listed,
     blocks_of_sectors,
+    is_of_equal_sectors,
     on_springs,
     structure_of,
     wheel_over_speeds,
@@ -275,7 +276,7 @@ def still_stage(case: Case, count: int | None) -> Matrices:
     table = case.bladed_disk.matrices
     still, listed = without_rotation(case), None
     if count is not None and case.reduction.boundary == "massless":
-        if _is_of_equal_sectors(case):
+        if is_of_equal_sectors(case):
             listed = Listed(0.0, COUPLED_IN_SECTORS if _couples(case) else 0)
             if case.rotation.effects != "none":
                 at = abs(case.march.speed.rad_per_s(0.0))  # 0 if the reference is needed
@@ -331,13 +332,6 @@ def _couples(case: Case) -> bool:
     return part.gyroscopic is not None and case.rotation.effects != "centrifugal"
 
 
-def _is_of_equal_sectors(case: Case) -> bool:
-    """Return whether the modes of sectors with a massless boundary are listed."""
-    table = case.bladed_disk.matrices
-    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
-    return table.kind == "sector" and not mistuned and case.reduction.boundary == "massless"
-
-
 def _blocks(
     case: Case, stage: Matrices, each: int, count: int | None, highest: float
 ) -> dict[str, Blocks]:
@@ -346,7 +340,7 @@ def _blocks(
     Raises:
         SuperelementError: the superelement cannot be reduced as the case demands.
     """
-    table, part, equal = stage.table, structure_of(case), _is_of_equal_sectors(case)
+    table, part, equal = stage.table, structure_of(case), is_of_equal_sectors(case)
     each = each if count is None else count
     between = count is None
     # At speeds between those of the blocks, and where the wall holds tips.

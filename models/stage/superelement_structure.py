@@ -43,7 +43,7 @@ from bladewhirl.models.superelements.wheel import WheelOverSpeeds, whole_wheel
 LARGE = 2000
 """Number of coordinates from which a blade or a wheel is condensed for a range of speeds."""
 
-FEWEST = 4  #: number of modes of each nodal diameter that are computed first where nothing couples
+FEWEST = 4  #: number of modes of each nodal diameter that are computed first
 
 REMEMBERED = 4  #: number of the last structures of which results are kept in memory
 
@@ -232,6 +232,14 @@ def structure_key(case: Case) -> str:
 def without_rotation(case: Case) -> Case:
     """Return a case whose bladed disk has no effects of the rotation."""
     return case.model_copy(update={"rotation": Rotation()})
+
+
+def is_of_equal_sectors(case: Case) -> bool:
+    """Return whether a wheel has equal sectors with a massless boundary, which are reduced by nodal
+    diameter."""
+    table = case.bladed_disk.matrices
+    mistuned = case.bladed_disk.mistuning.is_given(table.copies)
+    return table.kind == "sector" and not mistuned and case.reduction.boundary == "massless"
 
 
 def with_modes(case: Case, each: int) -> Case:
